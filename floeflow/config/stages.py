@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which keys each stage reads, and their hash.
+
+A rule's parameters hold the hash of its stage's keys, so that a changed plot key reruns no window,
+and the state carries the hashes with which it was made.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+from floeflow.config.blocks import Scene
+
+# A path names a key or a whole block. ``time.windows`` is read by no stage: more windows are more
+# jobs, never other ones.
+STAGE_KEYS: dict[str, tuple[str, ...]] = {
+    "land": ("domain", "mask.refine", "mask.land"),
+    "mask": ("domain", "mask"),
+    "packing": ("seed", "domain", "packing", "effects"),
+    "bonds": ("packing.bond_gap",),
+    "forcing": ("domain", "forcing", "time.start", "time.window", "effects"),
+    "initial": ("time.start", "effects", "column.ocean_salinity"),
+    "dynamics": ("effects", "dynamics", "time.window"),
+    "column": ("effects", "column", "time.window"),
+    "grid": ("domain", "effects", "time.start", "time.window"),
+    "diagnostics": ("effects",),
+    "report": ("report", "name", "effects", "domain", "time.start", "time.window"),
+}
+
+
+def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
+    """Values of the keys that a stage reads, by path, in plain JSON types."""
+    data = scene.model_dump(mode="json")
+    if "thermodynamics" not in scene.effects:
+        data.pop("column")
+    values = {}
+    for path in STAGE_KEYS[stage]:
+        value: Any = data
+        for part in path.split("."):
+            value = value.get(part) if isinstance(value, dict) else None
+        values[path] = value
+    return values
+
+
+def stage_hash(scene: Scene, stage: str) -> str:
+    """Hash (16 hexadecimal digits) of the keys that a stage reads."""
+    text = json.dumps(stage_values(scene, stage), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

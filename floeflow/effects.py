@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Registry of effects: the single source of what a scene may ask for and what that adds.
+
+A scene names its effects. What it does not name is absent: no rule in the workflow, no switch in
+the plugin, no variable in the state file, no figure in the report. Every stage asks this registry
+instead of keeping a list of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from floeflow.errors import FloeError
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical effect and what it adds at each stage.
+
+    Parameters
+    ----------
+    name : str
+        The name by which a scene asks for it.
+    physics : str
+        One line of physics.
+    source : str
+        Where the equation comes from.
+    needs : tuple of str
+        Effects without which it makes no sense.
+    plugin : tuple of str
+        Switches it sets in the LIGGGHTS plugin.
+    column : tuple of str
+        Processes it adds to the column.
+    forcing : tuple of str
+        Forcing variables it reads.
+    state : tuple of str
+        Variables it adds to the state.
+    output : tuple of str
+        Variables it adds to the gridded output.
+    diagnostics : tuple of str
+        Series and figures it adds to the report.
+    """
+
+    name: str
+    physics: str
+    source: str
+    needs: tuple[str, ...] = ()
+    plugin: tuple[str, ...] = ()
+    column: tuple[str, ...] = ()
+    forcing: tuple[str, ...] = ()
+    state: tuple[str, ...] = ()
+    output: tuple[str, ...] = ()
+    diagnostics: tuple[str, ...] = ()
+
+
+_BOND_STATE = (
+    "bond_id_lo",
+    "bond_id_hi",
+    "bond_length",
+    "bond_span",
+    "bond_thickness",
+    "bond_crack_a",
+    "bond_crack_b",
+    "bond_lo_ax",
+    "bond_lo_ay",
+    "bond_lo_bx",
+    "bond_lo_by",
+    "bond_hi_ax",
+    "bond_hi_ay",
+    "bond_hi_bx",
+    "bond_hi_by",
+)
+
+_REGISTERED = (
+    Effect(
+        name="wind",
+        physics="Quadratic wind stress on the ice-covered part of each element.",
+        source="Hibler 1979; Turner et al. 2022",
+        plugin=("wind",),
+        forcing=("wind_u", "wind_v"),
+        diagnostics=("impulse_wind",),
+    ),
+    Effect(
+        name="ocean_drag",
+        physics="Quadratic drag against the current, fully implicit, and drag on the spin.",
+        source="Hibler 1979; Turner et al. 2022",
+        plugin=("ocean_drag",),
+        forcing=("ocean_u", "ocean_v"),
+        diagnostics=("impulse_ocean",),
+    ),
+    Effect(
+        name="coriolis",
+        physics="Coriolis acceleration -f k x u, a rotation that keeps the speed.",
+        source="Cayley form of the rotation",
+        plugin=("coriolis",),
+        forcing=("coriolis",),
+        diagnostics=("impulse_coriolis",),
+    ),
+    Effect(
+        name="tilt",
+        physics="Slope of the sea surface from the geostrophic current, m f k x u_w.",
+        source="Hibler 1979",
+        plugin=("tilt",),
+        forcing=("ocean_u", "ocean_v", "coriolis"),
+        diagnostics=("impulse_tilt",),
+    ),
+    Effect(
+        name="friction",
+        physics="Coulomb friction with history where unbonded elements touch.",
+        source="Cundall & Strack 1979",
+        plugin=("friction",),
+    ),
+    Effect(
+        name="bonds",
+        physics="Glue lines between neighbours that crack from their ends (Mohr-Coulomb).",
+        source="Hopkins, Frankenstein & Thorndike 2004",
+        plugin=("bonds",),
+        state=_BOND_STATE,
+        diagnostics=("intact_bonds",),
+    ),
+    Effect(
+        name="thermodynamics",
+        physics="Growth and melt of ice and snow in each element's column between windows.",
+        source="Semtner 1976 (zero-layer)",
+        column=("vertical", "snow", "new_ice"),
+        forcing=(
+            "wind_u",
+            "wind_v",
+            "air_temperature",
+            "specific_humidity",
+            "air_pressure",
+            "shortwave_down",
+            "longwave_down",
+            "snowfall",
+            "ocean_heat_flux",
+        ),
+        state=("snow_volume", "surface_temperature"),
+        output=("sisnthick",),
+        diagnostics=("ice_growth",),
+    ),
+)
+
+EFFECTS: dict[str, Effect] = {effect.name: effect for effect in _REGISTERED}
+
+
+def check_effects(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the named effects in the registry's order.
+
+    Raises
+    ------
+    FloeError
+        For a name that is unknown (with the nearest valid one), named twice, or whose needs
+        are not named.
+    """
+    names = list(names)
+    for name in names:
+        if name not in EFFECTS:
+            near = get_close_matches(name, EFFECTS, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else "known are " + ", ".join(EFFECTS)
+            raise FloeError(f"effects: '{name}' is no effect; {hint}")
+        if names.count(name) > 1:
+            raise FloeError(f"effects: '{name}' is named twice")
+        for need in EFFECTS[name].needs:
+            if need not in names:
+                raise FloeError(f"effects: '{name}' needs '{need}', which the scene does not name")
+    return tuple(name for name in EFFECTS if name in names)
+
+
+def _collect(field: str, names: Iterable[str]) -> tuple[str, ...]:
+    found = (item for name in names for item in getattr(EFFECTS[name], field))
+    return tuple(dict.fromkeys(found))
+
+
+def plugin_switches(names: Iterable[str]) -> tuple[str, ...]:
+    """Switches of the LIGGGHTS plugin that these effects set."""
+    return _collect("plugin", names)
+
+
+def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
+    """Forcing variables that these effects read."""
+    return _collect("forcing", names)
+
+
+def state_variables(names: Iterable[str]) -> tuple[str, ...]:
+    """Variables that these effects add to the state."""
+    return _collect("state", names)
+
+
+def output_variables(names: Iterable[str]) -> tuple[str, ...]:
+    """Variables that these effects add to the gridded output."""
+    return _collect("output", names)
+
+
+def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
+    """Series that these effects add to the diagnostics."""
+    return _collect("diagnostics", names)

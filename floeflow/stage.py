@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""How a rule's module becomes a program: its log, its lock, its way to fail.
+
+Every stage holds the scene's job lock while it runs. A job that outlives a killed workflow is
+thereby seen by the next one, which refuses to write beside it (``floeflow.lock``).
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
+
+from floeflow.errors import FloeError
+from floeflow.lock import hold_job
+
+
+class Snakemake(Protocol):
+    """What a module uses of the object that Snakemake hands to a script."""
+
+    input: Any
+    output: Any
+    params: Any
+    log: Any
+    wildcards: Any
+    threads: int
+    resources: Any
+
+
+def run(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
+    """Run a stage: logging to its log, a fault as one sentence, exit code 1."""
+    log = Path(str(snakemake.log[0]))
+    log.parent.mkdir(parents=True, exist_ok=True)
+    form = "%(asctime)s %(name)s %(levelname)s %(message)s"
+    logging.basicConfig(filename=log, filemode="w", level=logging.INFO, format=form)
+    try:
+        with hold_job(scene_folder(snakemake)):
+            main(snakemake)
+    except FloeError as error:
+        logging.error("%s", error)
+        print(f"floeflow: {error}", file=sys.stderr, flush=True)
+        # Leave without unwinding through Snakemake's preamble, which would print a traceback.
+        logging.shutdown()
+        os._exit(1)
+    except Exception:
+        logging.exception("unexpected fault")
+        raise
+
+
+def scene_folder(snakemake: Snakemake) -> Path:
+    """``results/<scene>`` of the running stage."""
+    return Path("results") / str(snakemake.wildcards.scene)

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Checksummed NetCDF-4 files, written whole or not at all.
+
+A file is written under a unique temporary name beside its place, synced and renamed, so that a
+reader sees the old file or the new one, never a half. The checksum covers names, types, shapes,
+bytes and attributes; the reader verifies it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from floeflow.errors import FloeError
+from floeflow.state.schema import VARIABLES, check_state
+
+CHECKSUM = "checksum"
+
+
+def checksum(data: xr.Dataset) -> str:
+    """SHA-256 of a dataset's names, types, shapes, bytes and attributes (but of itself)."""
+    digest = hashlib.sha256()
+    attrs = {name: _plain(value) for name, value in data.attrs.items() if name != CHECKSUM}
+    digest.update(json.dumps(attrs, sort_keys=True).encode())
+    for name in sorted(str(name) for name in data.variables):
+        values = np.ascontiguousarray(data[name].values)
+        if values.dtype.kind in "UO":
+            values = np.char.encode(values.astype(str), "utf-8")
+        head = f"{name} {data[name].dims} {values.shape} {values.dtype.newbyteorder('=').str}"
+        digest.update(head.encode())
+        digest.update(values.tobytes())
+    return digest.hexdigest()
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def write_dataset(data: xr.Dataset, path: str | Path) -> str:
+    """Write a dataset atomically and return its checksum.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Data without encoded times or missing values.
+    path : str or Path
+        Its place; folders are made.
+
+    Raises
+    ------
+    FloeError
+        Where the file cannot be written; nothing of it is left then, and an older one stays.
+    """
+    path = Path(path)
+    data = data.copy()
+    data.attrs[CHECKSUM] = checksum(data)
+    temporary = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        os.close(handle)
+        encoding = {str(name): {"_FillValue": None} for name in data.variables}
+        data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        # mkstemp makes files that only their owner reads.
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(temporary, 0o666 & ~umask)
+        with open(temporary, "rb+") as file:
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except (OSError, RuntimeError) as error:
+        if temporary is not None:
+            Path(temporary).unlink(missing_ok=True)
+        reason = getattr(error, "strerror", None) or error
+        raise FloeError(f"{path}: cannot be written: {reason}") from None
+    return str(data.attrs[CHECKSUM])
+
+
+def read_dataset(path: str | Path) -> xr.Dataset:
+    """Read a file of `write_dataset` into memory and verify its checksum.
+
+    Raises
+    ------
+    FloeError
+        Where it is missing, damaged or not written by FloeFlow.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FloeError(f"{path}: there is no such file")
+    try:
+        with xr.open_dataset(
+            path, engine="netcdf4", decode_cf=False, mask_and_scale=False
+        ) as opened:
+            data = opened.load()
+    except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
+        raise FloeError(f"{path}: cannot be read as NetCDF ({type(error).__name__})") from None
+    for name, value in data.attrs.items():
+        data.attrs[name] = _plain(value)
+    if CHECKSUM not in data.attrs:
+        raise FloeError(f"{path}: has no checksum, so FloeFlow did not write it")
+    if checksum(data) != data.attrs[CHECKSUM]:
+        raise FloeError(f"{path}: its checksum does not match, the file is damaged")
+    return data
+
+
+def write_state(state: xr.Dataset, path: str | Path) -> str:
+    """Check a state, describe its variables, write it atomically; return its checksum.
+
+    Raises
+    ------
+    FloeError
+        Where it breaks the schema or cannot be written.
+    """
+    state = state.copy()
+    try:
+        check_state(state)
+    except FloeError as error:
+        raise FloeError(f"{path}: not written: {error}") from None
+    for name in state.variables:
+        rule = VARIABLES[str(name)]
+        state[name].attrs = {"units": rule.units, "long_name": rule.long_name}
+    return write_dataset(state, path)
+
+
+def read_state(path: str | Path) -> xr.Dataset:
+    """Read a state, verify its checksum and schema.
+
+    Raises
+    ------
+    FloeError
+        In one sentence that names the file.
+    """
+    state = read_dataset(path)
+    try:
+        check_state(state)
+    except FloeError as error:
+        raise FloeError(f"{path}: {error}") from None
+    return state

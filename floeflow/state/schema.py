@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Schema of the state: every variable with dimensions, type, unit and meaning.
+
+The state holds all there is at a window boundary and is the restart. Element arrays are sorted by
+``id``; bonds and contacts by (``id_lo``, ``id_hi``). Lower id first everywhere, so that each pair
+has one form on any number of ranks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from floeflow.effects import EFFECTS, state_variables
+from floeflow.errors import FloeError
+
+SCHEMA_VERSION = 1
+
+MOBILE, COAST = 1, 2
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of the state."""
+
+    dims: tuple[str, ...]
+    dtype: str
+    units: str
+    long_name: str
+    low: float = -np.inf
+    high: float = np.inf
+
+
+def _element(units: str, text: str, low: float = -np.inf, high: float = np.inf) -> Variable:
+    return Variable(("element",), "float64", units, text, low, high)
+
+
+def _column(units: str, text: str, low: float = 0.0, high: float = np.inf) -> Variable:
+    return Variable(("element", "category"), "float64", units, text, low, high)
+
+
+def _bond(units: str, text: str, low: float = -np.inf, high: float = np.inf) -> Variable:
+    return Variable(("bond",), "float64", units, text, low, high)
+
+
+def _contact(units: str, text: str) -> Variable:
+    return Variable(("contact",), "float64", units, text)
+
+
+VARIABLES: dict[str, Variable] = {
+    "id": Variable(("element",), "int64", "1", "identity of the element, from 1", 1),
+    "type": Variable(("element",), "int8", "1", "1 mobile ice, 2 fixed coast", 1, 2),
+    "x": _element("m", "position in the scene's projection"),
+    "y": _element("m", "position in the scene's projection"),
+    "theta": _element("rad", "orientation, anticlockwise since the start"),
+    "u": _element("m s-1", "velocity along x"),
+    "v": _element("m s-1", "velocity along y"),
+    "omega": _element("rad s-1", "spin, anticlockwise"),
+    "radius": _element("m", "radius of the disc", 0),
+    "area": _element("m2", "effective area: the ocean area that the element stands for", 0),
+    "ice_fraction": _column("1", "share of the effective area under ice, per category", 0, 1),
+    "ice_volume": _column("m", "ice volume per effective area, per category"),
+    "snow_volume": _column("m", "snow volume per effective area, per category"),
+    "surface_temperature": _column("K", "temperature of the ice's or snow's surface", 100, 350),
+    "bond_id_lo": Variable(("bond",), "int64", "1", "lower id of the bonded pair", 1),
+    "bond_id_hi": Variable(("bond",), "int64", "1", "higher id of the bonded pair", 1),
+    "bond_length": _bond("m", "length of the glue line", 0),
+    "bond_span": _bond("m", "distance of the centres when the bond was made", 0),
+    "bond_thickness": _bond("m", "ice thickness of the bond", 0),
+    "bond_crack_a": _bond("1", "crack from end a, as a share of the length", 0, 1),
+    "bond_crack_b": _bond("1", "crack from end b, as a share of the length", 0, 1),
+    "bond_lo_ax": _bond("m", "end a of the glue line in the body frame of id_lo"),
+    "bond_lo_ay": _bond("m", "end a of the glue line in the body frame of id_lo"),
+    "bond_lo_bx": _bond("m", "end b of the glue line in the body frame of id_lo"),
+    "bond_lo_by": _bond("m", "end b of the glue line in the body frame of id_lo"),
+    "bond_hi_ax": _bond("m", "end a of the glue line in the body frame of id_hi"),
+    "bond_hi_ay": _bond("m", "end a of the glue line in the body frame of id_hi"),
+    "bond_hi_bx": _bond("m", "end b of the glue line in the body frame of id_hi"),
+    "bond_hi_by": _bond("m", "end b of the glue line in the body frame of id_hi"),
+    "contact_id_lo": Variable(("contact",), "int64", "1", "lower id of the touching pair", 1),
+    "contact_id_hi": Variable(("contact",), "int64", "1", "higher id of the touching pair", 1),
+    "contact_slip": _contact("m", "elastic tangential displacement of the friction law"),
+    "contact_rest_overlap": _contact("m", "overlap that makes no force"),
+}
+
+# Attributes that every state carries, with their types.
+ATTRIBUTES: dict[str, type] = {
+    "schema_version": int,
+    "scene": str,
+    "effects": str,
+    "window": int,
+    "time": float,
+    "start": str,
+    "seed": int,
+    "crs": str,
+    "ocean_area": float,
+    "unclaimed_water": float,
+    "provenance": str,
+}
+
+_EFFECT_VARIABLES = {name for effect in EFFECTS.values() for name in effect.state}
+
+
+def expected_variables(effects: tuple[str, ...]) -> tuple[str, ...]:
+    """Variables that the state of a scene with these effects holds, no more and no less."""
+    wanted = set(state_variables(effects))
+    return tuple(name for name in VARIABLES if name in wanted or name not in _EFFECT_VARIABLES)
+
+
+def check_state(state: xr.Dataset) -> None:
+    """Check a state against the schema.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        The state.
+
+    Raises
+    ------
+    FloeError
+        In one sentence, which names the first variable or attribute at fault.
+    """
+    version = state.attrs.get("schema_version")
+    if version is None:
+        raise FloeError("this is no FloeFlow state: it has no schema_version")
+    if version != SCHEMA_VERSION:
+        raise FloeError(
+            f"its schema version is {version}, this FloeFlow reads version {SCHEMA_VERSION}"
+        )
+    for name, kind in ATTRIBUTES.items():
+        if not isinstance(state.attrs.get(name), kind):
+            raise FloeError(f"attribute '{name}' is missing or no {kind.__name__}")
+    effects = tuple(state.attrs["effects"].split())
+    expected = expected_variables(effects)
+    for name in expected:
+        if name not in state:
+            raise FloeError(f"variable '{name}' is missing")
+        _check_variable(name, state[name])
+    for name in state.variables:
+        if name not in expected:
+            raise FloeError(f"variable '{name}' is not of this scene's effects")
+    _check_order(state)
+
+
+def _check_variable(name: str, array: xr.DataArray) -> None:
+    rule = VARIABLES[name]
+    if array.dims != rule.dims:
+        raise FloeError(f"variable '{name}' has dimensions {array.dims}, not {rule.dims}")
+    if array.dtype != np.dtype(rule.dtype):
+        raise FloeError(f"variable '{name}' is of type {array.dtype}, not {rule.dtype}")
+    values = array.values
+    # Written so that a NaN fails too.
+    bad = ~((values >= rule.low) & (values <= rule.high))
+    if rule.dtype == "float64":
+        bad |= ~np.isfinite(values)
+    if bad.any():
+        place = np.argwhere(bad)[0]
+        raise FloeError(
+            f"variable '{name}' is {values[tuple(place)]} at {rule.dims[0]} {place[0]}, outside "
+            f"[{rule.low}, {rule.high}]"
+        )
+
+
+def _check_order(state: xr.Dataset) -> None:
+    ids = state["id"].values
+    if np.any(np.diff(ids) <= 0):
+        raise FloeError("the elements are not sorted by id, or an id stands twice")
+    for kind in ("bond", "contact"):
+        if f"{kind}_id_lo" not in state:
+            continue
+        lo, hi = state[f"{kind}_id_lo"].values, state[f"{kind}_id_hi"].values
+        if np.any(lo >= hi):
+            raise FloeError(f"a {kind} does not name its lower id first")
+        if not (np.isin(lo, ids).all() and np.isin(hi, ids).all()):
+            raise FloeError(f"a {kind} names an element that does not exist")
+        step_lo, step_hi = np.diff(lo), np.diff(hi)
+        if np.any((step_lo < 0) | ((step_lo == 0) & (step_hi <= 0))):
+            raise FloeError(f"the {kind}s are not sorted, or one stands twice")
