@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Pins the direct dependencies of requirements*.in, and all they need, in requirements.lock:
+# one version of each for Python 3.11 to 3.13, with hashes, wheels only, no index address.
+# Needs uv: the one on PATH, else one installed from PyPI under build/.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+if command -v uv >/dev/null; then
+    uv=uv
+else
+    uv=build/uv/bin/uv
+    if [[ ! -x $uv ]]; then
+        "${PYTHON:-python3}" -m venv build/uv
+        build/uv/bin/pip install --quiet uv
+    fi
+fi
+
+new=$(mktemp build/requirements.XXXXXX)
+trap 'rm -f "$new"' EXIT
+"$uv" pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --upgrade \
+    --generate-hashes --only-binary :all: --no-emit-index-url --no-emit-find-links --no-header \
+    --output-file "$new" setup/requirements.in setup/requirements-dev.in
+{
+    echo "# Written by \`make lock\` from requirements.in and requirements-dev.in: do not edit."
+    # The platform was the condition of the whole resolution (pyproject.toml, tool.uv): said of
+    # every line it would make pip skip every line elsewhere instead of failing.
+    sed -e "s/python_full_version < '3.14' and platform_machine == 'x86_64' and//" \
+        -e "s/ ;  *sys_platform == 'linux'//" \
+        -e "s/  *sys_platform == 'linux' and//" \
+        -e "s/;  */; /" "$new"
+} >setup/requirements.lock
