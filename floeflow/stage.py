@@ -14,6 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
+from floeflow.config import Scene, load_scene
 from floeflow.errors import FloeError
 from floeflow.lock import hold_job
 
@@ -25,6 +26,7 @@ class Snakemake(Protocol):
     output: Any
     params: Any
     log: Any
+    config: Any
     wildcards: Any
     threads: int
     resources: Any
@@ -48,6 +50,11 @@ def run(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
     except Exception:
         logging.exception("unexpected fault")
         raise
+
+
+def scene(snakemake: Snakemake) -> Scene:
+    """Scene of the running stage."""
+    return load_scene(snakemake.config["scene"])
 
 
 def scene_folder(snakemake: Snakemake) -> Path:
