@@ -8,6 +8,7 @@ lock=setup/requirements.lock
 venv=.venv
 stamp=$venv/floeflow-stamp # written last: a .venv without it is not complete
 plugin=build/liggghts_models
+include=/usr/include
 
 say() { printf 'FloeFlow: %s\n' "$*" >&2; }
 fail() {
@@ -40,10 +41,26 @@ liggghts_root() {
     fi
 }
 
+# The folder of LIGGGHTS' headers and that of its library, for one built from source or, with an
+# empty argument, for the distribution's. Nothing where there is none.
+liggghts_headers() {
+    if [[ -z $1 ]]; then ls -d "$include/liggghts"; else find_folder "$1" lammps.h; fi
+}
+liggghts_library() {
+    if [[ -z $1 ]]; then
+        "${CXX:-g++}" -print-file-name=libliggghts.so | sed -n 's#\(.*/\).*#\1#p'
+    else
+        find_folder "$1" libliggghts.so
+    fi
+}
+find_folder() {
+    find -L "$1" -maxdepth 4 -name "$2" -printf '%h\n' 2>/dev/null | sort | head -n 1
+}
+
 have() { # how a package of apt-packages.txt is told
     case $1 in
     command:*) command -v "${1#*:}" >/dev/null ;;
-    header:*) [[ -e ${FLOEFLOW_INCLUDE:-/usr/include}/${1#*:} ]] ;;
+    header:*) [[ -e $include/${1#*:} ]] ;;
     module:*) "$(python_command)" -c "import ${1#*:}, ensurepip" 2>/dev/null ;;
     esac
 }

@@ -68,9 +68,11 @@ install_packages() {
 }
 
 check_liggghts_root() {
-    local folder=${LIGGGHTS_ROOT:-}
-    [[ -z $folder || -d $folder ]] ||
-        fail "LIGGGHTS_ROOT=$folder is no folder: name the one that holds LIGGGHTS 3.8.0."
+    local folder
+    folder=$(liggghts_root)
+    [[ -z $folder || (-n $(liggghts_headers "$folder") && -n $(liggghts_library "$folder")) ]] ||
+        fail "LIGGGHTS_ROOT=$folder holds no lammps.h with a libliggghts.so: build LIGGGHTS 3.8.0" \
+            "there as a shared library, or leave LIGGGHTS_ROOT out and run 'make clean'."
 }
 
 check_interpreter() {
@@ -146,17 +148,19 @@ build_plugin() {
         if [[ $cached != "$source" || $home != "$root/liggghts_models" ]]; then rm -rf "$plugin"; fi
     fi
     mkdir -p build
-    if [[ ! -f $plugin/Makefile ]]; then
+    if [[ ! -f $plugin/CMakeCache.txt ]]; then
         say "configures the plugin in $plugin"
         cmake -S liggghts_models -B "$plugin" -DCMAKE_BUILD_TYPE=Release \
-            ${source:+-DLIGGGHTS_ROOT="$source"} >build/plugin.log 2>&1 || plugin_failed
+            ${source:+-DLIGGGHTS_ROOT="$source"} >build/plugin.log 2>&1 || {
+            rm -rf "$plugin" # a cache half written would be taken for a good one
+            plugin_failed
+        }
     fi
     cmake --build "$plugin" --parallel 2 >build/plugin.log 2>&1 || plugin_failed
 }
 
 plugin_failed() {
     tail -n 40 build/plugin.log >&2
-    rm -f "$plugin/CMakeCache.txt"
     fail "the plugin could not be built (above is the end of build/plugin.log)."
 }
 

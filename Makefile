@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# The commands of FloeFlow: `make help` lists them. What they do lies in setup/*.sh.
+#   SCENE=config/scenes/x.yaml  the scene to run         RANKS=2  processes of the dynamics
+#   PYTHON=, LIGGGHTS_ROOT=, NO_APT=1                    see docs/install.md
+SHELL := bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+MAKEFLAGS += --no-print-directory
+
+SCENE ?= config/scenes/arctic_1981.yaml
+RANKS ?=
+export PYTHON LIGGGHTS_ROOT NO_APT
+
+.PHONY: help setup run test lint doctor test-fresh lock clean
+
+help: ## list these targets
+	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
+
+setup: ## install what is missing and build the plugin
+	@setup/install.sh
+
+run: setup ## set up, then run SCENE= and print where its report lies
+	@.venv/bin/snakemake --profile workflows/profiles/local \
+	    --config 'scene=$(SCENE)' $(if $(RANKS),ranks=$(RANKS))
+
+test: setup lint ## set up, then run lint and every test but the slow ones
+	ctest --test-dir build/liggghts_models --output-on-failure
+	.venv/bin/python -m pytest -m "not slow" tests
+
+lint: setup ## check style, types, formats and what is generated
+	@setup/lint.sh
+
+doctor: ## say what is there and what is missing, and try a probe of the plugin
+	@setup/doctor.sh
+
+test-fresh: ## prove `make run` and `make test` in a bare Debian 12 (as root, 3 GB)
+	@setup/fresh.sh
+
+lock: ## pin the dependencies anew in setup/requirements.lock
+	@setup/lock.sh
+
+clean: ## remove what was built (results and .venv stay)
+	rm -rf build floeflow.egg-info

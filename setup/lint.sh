@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-2.0-or-later
+# The checks of `make lint`: all of them, or those named: setup/lint.sh types cpp
+# Each is a function check_*; every one runs, and at the end those that failed are named.
+set -uo pipefail
+# shellcheck source=setup/common.sh
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+bin=$root/$venv/bin
+stages=(preprocess dynamics column postprocess)
+
+check_ruff() { "$bin/ruff" check --quiet . && "$bin/ruff" format --quiet --check --diff .; }
+
+check_snakefiles() { "$bin/snakefmt" --quiet --check --compact-diff Snakefile workflows; }
+
+# The type checker gets a farm of links that looks as the installed package does, because the
+# stages lie beside floeflow/ and not in it, where it would not find them.
+check_types() {
+    local farm=build/types/floeflow entry
+    rm -rf build/types && mkdir -p "$farm"
+    for entry in floeflow/* "${stages[@]}"; do ln -s "$root/$entry" "$farm/"; done
+    (cd build/types && "$bin/mypy" --no-error-summary --config-file "$root/pyproject.toml" \
+        --cache-dir "$root/build/cache/mypy" --package floeflow) |
+        sed -E "s#^floeflow/(preprocess|dynamics|column|postprocess)/#\1/#"
+}
+
+check_cpp() {
+    find liggghts_models setup -name '*.cpp' -o -name '*.h' -o -name '*.hpp' | sort |
+        xargs "$bin/clang-format" --style=file:liggghts_models/.clang-format --dry-run --Werror
+}
+
+check_workflow() { "$bin/python" setup/lint_workflow.py "$bin/snakemake"; }
+
+check_config() { "$bin/python" -m floeflow.config --check; }
+
+check_shell() {
+    local script failed=0
+    for script in setup/*.sh .ci/run; do bash -n "$script" || failed=1; done
+    return $failed
+}
+
+check_licence() {
+    local without
+    without=$(git ls-files -co --exclude-standard -- '*.py' '*.sh' '*.cpp' '*.h' '*.hpp' '*.smk' \
+        Snakefile Makefile .ci/run | xargs -r -d '\n' awk '
+            FNR <= 2 && /SPDX-License-Identifier: GPL-2.0-or-later/ { seen[FILENAME] = 1 }
+            FNR == 1 { all[FILENAME] = 1 }
+            END { for (file in all) if (!(file in seen)) print file }')
+    [[ -z $without ]] && return 0
+    printf 'no SPDX line at the top of: %s\n' "$without"
+    return 1
+}
+
+all=(ruff snakefiles types cpp workflow config shell licence)
+failed=()
+for check in "${@:-${all[@]}}"; do
+    "check_$check" || failed+=("$check")
+done
+((${#failed[@]} == 0)) || fail "lint failed: ${failed[*]} (again alone: setup/lint.sh ${failed[*]})."
