@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What all rules share: the run, its groups of windows, and the inputs that depend on them."""
+
+from floeflow.config import stage_hash
+from floeflow.frontdoor import open_scene
+
+RUN = open_scene(config, workflow)
+EFFECTS = RUN.scene.effects
+
+
+def keys_of(*stages):
+    """Hash of the scene keys that these stages read: a changed plot key reruns no window."""
+    return "-".join(stage_hash(RUN.scene, stage) for stage in stages)
+
+
+def previous_state(wildcards):
+    """State before the group of windows that ends with this one."""
+    return f"results/{wildcards.scene}/state/{RUN.before(wildcards.window)}.nc"
+
+
+def group_forcing(wildcards):
+    """Forcing of each window of the group."""
+    windows = RUN.groups[wildcards.window]
+    return [f"results/{wildcards.scene}/forcing/{window}.nc" for window in windows]
+
+
+def group_windows(wildcards):
+    """Names of the group's windows."""
+    return RUN.groups[wildcards.window]
+
+
+def forcing_source(wildcards):
+    """The user's forcing file, or the analytic one of this window."""
+    if RUN.scene.forcing.source == "file":
+        return RUN.scene.forcing.file
+    return f"results/{wildcards.scene}/forcing/analytic_{wildcards.window}.nc"
+
+
+def group_ends(pattern):
+    """Files of this kind for each group of windows."""
+    return [pattern.replace("{window}", end) for end in RUN.ends]
+
+
+def land_input(wildcards):
+    """Land of the 1 km mask, where the scene asks for it."""
+    wanted = RUN.scene.mask.land == "global_land_mask"
+    return f"results/{wildcards.scene}/preprocess/land.nc" if wanted else []
+
+
+def bonds_input(wildcards):
+    """Bond table, where the scene has bonds."""
+    return (
+        f"results/{wildcards.scene}/preprocess/bonds.nc" if "bonds" in EFFECTS else []
+    )

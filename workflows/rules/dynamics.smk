@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Coupling windows: dynamics and column, one launch for each group of windows."""
+
+
+rule window:
+    input:
+        state=previous_state,
+        forcing=group_forcing,
+        plugin="build/liggghts_models/libfloe.so",
+    output:
+        state="results/{scene}/state/{window}.nc",
+        series="results/{scene}/series/{window}.nc",
+        cost="results/{scene}/cost/{window}.json",
+    log:
+        "results/{scene}/log/window/{window}.log",
+    benchmark:
+        "results/{scene}/benchmarks/window/{window}.tsv"
+    wildcard_constraints:
+        window=r"(?!0+$)[0-9]{4,}",
+    threads: 2
+    resources:
+        mem_mb=4000,
+        runtime=240,
+    params:
+        keys=keys_of("dynamics", "column"),
+        windows=group_windows,
+    message:
+        "Windows {params.windows}: dynamics and column on {threads} ranks"
+    script:
+        "../../dynamics/window.py"
