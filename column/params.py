@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-KELVIN = 273.15
+from floeflow.constants import ICE_DENSITY, SNOW_DENSITY, ZERO_CELSIUS
 
 
 @dataclass(frozen=True)
@@ -49,13 +49,13 @@ class ColumnParams:
 
     new_ice_thickness: float = 0.1
     ocean_salinity: float = 34.0
-    ice_density: float = 917.0
-    snow_density: float = 330.0
+    ice_density: float = ICE_DENSITY
+    snow_density: float = SNOW_DENSITY
     ice_conductivity: float = 2.04
     snow_conductivity: float = 0.31
     latent_fusion: float = 3.34e5
     latent_vapour: float = 2.501e6
-    melting_temperature: float = KELVIN
+    melting_temperature: float = ZERO_CELSIUS
     emissivity: float = 0.97
     transfer_heat: float = 1.75e-3
     transfer_vapour: float = 1.75e-3
@@ -71,7 +71,7 @@ class ColumnParams:
     @property
     def freezing_temperature(self) -> float:
         """Freezing point of the ocean (K), 54 mK lower for each unit of salinity."""
-        return KELVIN - 0.054 * self.ocean_salinity
+        return ZERO_CELSIUS - 0.054 * self.ocean_salinity
 
     @property
     def latent_sublimation(self) -> float:
