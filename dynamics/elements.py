@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""From the state to the arrays of the discrete element model, and back.
+
+The model knows discs with a mass, a thickness and an ice-covered area; the state knows columns.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from floeflow.constants import ICE_DENSITY, SNOW_DENSITY
+from floeflow.state.schema import COAST, VARIABLES
+
+Arrays = dict[str, np.ndarray]
+
+# What the model moves; everything else of an element is the column's.
+MOVED = ("x", "y", "theta", "u", "v", "omega")
+
+
+def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
+    """Arrays of the discs that stand for a state's elements.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        The state.
+    minimum_thickness : float
+        Elements with less ice than this (m over their whole area) get the mass and thickness of
+        this much, so that ice that melts out keeps a mass.
+
+    Returns
+    -------
+    dict of ndarray, shape (n,)
+        id, type, x, y, theta, u, v, omega, radius, mass (kg), thickness (m, of the ice-covered
+        part), ice_area (m2).
+    """
+    arrays = {name: state[name].values.copy() for name in ("id", "type", *MOVED, "radius")}
+    area = state["area"].values
+    fraction = state["ice_fraction"].values.sum(axis=1)
+    volume = state["ice_volume"].values.sum(axis=1)
+    load = ICE_DENSITY * np.maximum(volume, minimum_thickness)
+    if "snow_volume" in state:
+        load = load + SNOW_DENSITY * state["snow_volume"].values.sum(axis=1)
+    arrays["mass"] = area * load
+    arrays["thickness"] = np.maximum(mean_thickness(state), minimum_thickness)
+    arrays["ice_area"] = area * fraction
+    _fill_coast(arrays, minimum_thickness)
+    return arrays
+
+
+def _fill_coast(arrays: Arrays, minimum_thickness: float) -> None:
+    # Coast stands for no ocean, but a contact needs a thickness and a mass on both sides: it is
+    # as thick as the thickest ice, so that the ice's own thickness sets the contact.
+    coast = arrays["type"] == COAST
+    thickest = arrays["thickness"][~coast].max(initial=minimum_thickness)
+    arrays["thickness"][coast] = thickest
+    disc = np.pi * arrays["radius"][coast] ** 2
+    arrays["mass"][coast] = ICE_DENSITY * thickest * disc
+    arrays["ice_area"][coast] = 0.0
+
+
+def mean_thickness(state: xr.Dataset) -> np.ndarray:
+    """Mean thickness of the ice-covered part of each element, m, shape (n,); 0 without ice."""
+    fraction = state["ice_fraction"].values.sum(axis=1)
+    volume = state["ice_volume"].values.sum(axis=1)
+    return np.divide(volume, fraction, out=np.zeros_like(volume), where=fraction > 0)
+
+
+def pair_arrays(state: xr.Dataset, kind: str) -> Arrays:
+    """Bond or contact table of a state, names without the prefix of `kind`."""
+    names = [name for name in VARIABLES if name.startswith(f"{kind}_") and name in state]
+    return {name.removeprefix(f"{kind}_"): state[name].values.copy() for name in names}
+
+
+def moved_state(
+    state: xr.Dataset, elements: Arrays, bonds: Arrays | None, contacts: Arrays
+) -> xr.Dataset:
+    """State with the motion, bonds and contacts that the model left.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        State before the motion.
+    elements, bonds, contacts : dict of ndarray
+        What the model holds now; sorted by id and by (id_lo, id_hi).
+    """
+    kinds = {"bond": bonds, "contact": contacts}
+    keep = [name for name in state.variables if not str(name).startswith(("bond_", "contact_"))]
+    moved = state[keep].copy()
+    for name in MOVED:
+        moved[name] = ("element", elements[name])
+    for kind, table in kinds.items():
+        for name, values in (table or {}).items():
+            full = f"{kind}_{name}"
+            moved[full] = (kind, values.astype(VARIABLES[full].dtype, copy=False))
+    return moved
+
+
+def thin_bonds(state: xr.Dataset) -> xr.Dataset:
+    """Let bonds be no thicker than the ice beside them: melt weakens, growth does not heal.
+
+    The series thickness of a pair is that of the thinner element.
+    """
+    if "bond_thickness" not in state:
+        return state
+    thickness = mean_thickness(state)
+    ids = state["id"].values
+    lo = thickness[np.searchsorted(ids, state["bond_id_lo"].values)]
+    hi = thickness[np.searchsorted(ids, state["bond_id_hi"].values)]
+    now = np.minimum(state["bond_thickness"].values, np.minimum(lo, hi))
+    return state.assign(bond_thickness=("bond", now))

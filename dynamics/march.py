@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The MPI program of a job: windows of dynamics and column, one after the other.
+
+``mpirun -n N python -m floeflow.dynamics.march`` reads a ``Job`` from its standard input and
+reports on standard output, a line of JSON an event: progress, or the sentence of a fault. The
+states go to the scene's work folder; publishing them is left to the rule (``window.py``).
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+from mpi4py import MPI
+
+from floeflow.bench import Record, write_records
+from floeflow.config import Scene
+from floeflow.dynamics import resume
+from floeflow.dynamics.collective import leave, on_root
+from floeflow.dynamics.coupling import advance_columns
+from floeflow.dynamics.elements import thin_bonds
+from floeflow.dynamics.job import Job
+from floeflow.dynamics.motion import Motion, move
+from floeflow.dynamics.series import series_dataset, volumes
+from floeflow.errors import FloeError
+from floeflow.state import read_dataset, read_state, write_dataset, write_state
+
+Report = Callable[..., None]
+
+
+@dataclass(frozen=True)
+class Advanced:
+    """What a window leaves."""
+
+    state: xr.Dataset
+    series: xr.Dataset
+    cost: list[Record]
+
+
+def advance_window(
+    comm: MPI.Comm, scene: Scene, state: xr.Dataset, forcing: xr.Dataset, log: Path, report: Report
+) -> Advanced:
+    """Advance a state by one window: dynamics, then column.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Collective; every rank has the whole state.
+    scene : Scene
+        The scene.
+    state, forcing : xarray.Dataset
+        State at the window's start, and the window's forcing on the scene's grid.
+    log : Path
+        LIGGGHTS' log.
+    report : callable
+        Called with the step reached, the number of steps and elements.
+
+    Returns
+    -------
+    Advanced
+        State at the window's end, its series and what it cost.
+
+    Raises
+    ------
+    FloeError
+        Where the dynamics or the column fail; names the place.
+    """
+    start = float(state.attrs["time"])
+    end = start + scene.time.window
+    budget = volumes(state, "start")
+    motion = move(comm, scene, state, forcing, log, report)
+    state = motion.state
+    budget |= volumes(state, "dynamics")
+    began = time.perf_counter()
+    if "thermodynamics" in scene.effects:
+        state, terms = advance_columns(comm, scene, state, forcing, (start, end))
+        budget |= terms
+        state = thin_bonds(state)
+    seconds = time.perf_counter() - began
+    budget |= volumes(state, "end")
+    state.attrs = {
+        **state.attrs,
+        "time": end,
+        "window": int(state.attrs["window"]) + 1,
+    }
+    series = series_dataset(motion, budget, start)
+    return Advanced(state, series, _costs(scene, comm.size, motion, seconds))
+
+
+def _costs(scene: Scene, ranks: int, motion: Motion, column_seconds: float) -> list[Record]:
+    n = motion.state.sizes["element"]
+    speed = n * motion.steps / motion.seconds if motion.seconds else 0.0
+    figures = {
+        "steps": motion.steps,
+        "element_steps_per_s": speed,
+        "time_step": motion.time_step,
+        "limited_by": motion.limited_by,
+    }
+    records = [
+        Record("setup", n, ranks, [motion.setup_seconds]),
+        Record("dynamics", n, ranks, [motion.seconds], extra=figures),
+    ]
+    if "thermodynamics" in scene.effects:
+        records.append(Record("column", n, ranks, [column_seconds]))
+    return records
+
+
+def march(comm: MPI.Comm, job: Job) -> None:
+    """Advance a job's windows and write each to the work folder."""
+    scene = job.read_scene()
+    folder = Path(job.folder)
+    state = on_root(comm, read_state, job.state)
+    for window, path in zip(job.windows, job.forcing, strict=True):
+        began = time.perf_counter()
+        forcing = on_root(comm, read_dataset, path)
+        made_from = resume.window_hash(state, forcing, job.fixed)
+        log = folder / "log/window" / f"{window}.liggghts.log"
+        report = _reporter(comm, window, began)
+        advanced = advance_window(comm, scene, state, forcing, log, report)
+        provenance = json.loads(state.attrs["provenance"])
+        provenance |= job.fixed | {"window": made_from}
+        advanced.state.attrs["provenance"] = json.dumps(provenance, sort_keys=True)
+        work = resume.work_folder(folder, window)
+        on_root(comm, _write, advanced, work, began)
+        # What the next window starts from is what a restart would read.
+        state = on_root(comm, read_state, work / resume.PARTS["state"])
+
+
+def _write(advanced: Advanced, work: Path, began: float) -> None:
+    # The state comes last: where it is, the others are too.
+    write_dataset(advanced.series, work / resume.PARTS["series"])
+    known = sum(record.seconds[0] for record in advanced.cost)
+    n, ranks = advanced.cost[0].n, advanced.cost[0].ranks
+    rest = time.perf_counter() - began - known
+    records = [*advanced.cost, Record("exchange", n, ranks, [rest])]
+    write_records(records, work / resume.PARTS["cost"])
+    write_state(advanced.state, work / resume.PARTS["state"])
+
+
+def _reporter(comm: MPI.Comm, window: str, began: float) -> Report:
+    def report(**event: Any) -> None:
+        if comm.rank == 0:
+            seconds = time.perf_counter() - began
+            print(json.dumps({"window": window, "seconds": seconds, **event}), flush=True)
+
+    return report
+
+
+def main() -> None:
+    """Entry point of every rank."""
+    comm = MPI.COMM_WORLD
+    try:
+        text = sys.stdin.readline() if comm.rank == 0 else ""
+        march(comm, Job.from_json(comm.bcast(text)))
+    except FloeError as error:
+        print(json.dumps({"error": str(error)}), flush=True)
+        leave(comm)
+    except BaseException:
+        traceback.print_exc()
+        sys.stderr.flush()
+        comm.Abort(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The time series and budgets of one window."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+if TYPE_CHECKING:
+    from floeflow.dynamics.motion import Motion
+
+UNITS = {
+    "time": "s",
+    "kinetic_energy": "J",
+    "elastic_energy": "J",
+    "intact_bonds": "1",
+    "drift_speed": "m s-1",
+    "largest_speed": "m s-1",
+}
+PREFIX_UNITS = {
+    "momentum_": "kg m s-1",
+    "impulse_": "N s",
+    "work_": "J",
+    "dissipation_": "J",
+    "ice_area_": "m2",
+    "ice_volume_": "m3",
+    "snow_volume_": "m3",
+    "growth_": "m3",
+    "snow_": "m3",
+    "energy_": "J",
+}
+
+
+def volumes(state: xr.Dataset, moment: str) -> dict[str, float]:
+    """Ice area (m2), ice volume and, where there is snow, snow volume (m3) of a state."""
+    area = state["area"].values
+    totals = {
+        "ice_area": state["ice_fraction"].values.sum(axis=1),
+        "ice_volume": state["ice_volume"].values.sum(axis=1),
+    }
+    if "snow_volume" in state:
+        totals["snow_volume"] = state["snow_volume"].values.sum(axis=1)
+    return {f"{name}_{moment}": float(area @ each) for name, each in totals.items()}
+
+
+def series_dataset(motion: Motion, budget: dict[str, float], start: float) -> xr.Dataset:
+    """Series (dim ``sample``) and budget scalars of a window.
+
+    Parameters
+    ----------
+    motion : Motion
+        What the dynamics left: samples and impulses.
+    budget : dict
+        Volumes and terms of the column.
+    start : float
+        Time of the window's start, s since the scene's start.
+    """
+    data = xr.Dataset()
+    for name, values in motion.samples.items():
+        array = np.asarray(values, dtype=float)
+        if name == "time":
+            array = array + start
+        data[name] = ("sample", array, {"units": UNITS[name]})
+    for name, value in {**motion.budget, **budget}.items():
+        data[name] = ((), float(value), {"units": _unit(name)})
+    return data
+
+
+def _unit(name: str) -> str:
+    return next(unit for prefix, unit in PREFIX_UNITS.items() if name.startswith(prefix))

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Rule ``window``: a group of coupling windows in one MPI launch.
+
+Skips the windows that an interrupted job of the same origin has finished, starts the ranks, shows
+their progress, turns their faults into one sentence, and publishes what they made.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from floeflow import mpi, stage
+from floeflow.config import Scene, stage_hash
+from floeflow.dynamics import resume
+from floeflow.dynamics.job import Job
+from floeflow.dynamics.progress import show_progress
+from floeflow.errors import FloeError
+from floeflow.lock import hold_alone
+from floeflow.state import read_state
+
+
+def fixed_hashes(scene: Scene, plugin: str | Path, ranks: int) -> dict[str, str]:
+    """What goes into the hash of every window of a run; see ``resume.window_hash``."""
+    hashes = {stage: stage_hash(scene, stage) for stage in ("dynamics", "column")}
+    return {**hashes, "plugin": resume.file_hash(plugin), "ranks": str(ranks)}
+
+
+def run_ranks(job: Job, ranks: int, log: Path, keep: tuple[int, ...] = ()) -> None:
+    """Advance a job's windows on so many ranks.
+
+    Parameters
+    ----------
+    job : Job
+        What to do.
+    ranks : int
+        Number of MPI ranks.
+    log : Path
+        Gets what the ranks say on standard error.
+    keep : tuple of int
+        Descriptors of locks that the ranks hold as long as they live.
+
+    Raises
+    ------
+    FloeError
+        The sentence of the rank at fault, or the tail of its logs.
+    """
+    command = ["mpirun", "-n", str(ranks), sys.executable, "-m", "floeflow.dynamics.march"]
+    log.parent.mkdir(parents=True, exist_ok=True)
+    fault = ""
+    with open(log, "w") as errors, show_progress(job.windows) as show:
+        try:
+            ranks_process = subprocess.Popen(
+                command,
+                env=mpi.mpi_environment(),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+                pass_fds=keep,
+            )
+        except OSError as error:
+            raise FloeError(f"mpirun cannot be started: {error.strerror}") from None
+        with ranks_process:
+            assert ranks_process.stdin is not None and ranks_process.stdout is not None
+            ranks_process.stdin.write(job.to_json() + "\n")
+            ranks_process.stdin.close()
+            for text in ranks_process.stdout:
+                event = _event(text)
+                if "error" in event:
+                    fault = fault or str(event["error"])
+                elif "step" in event:
+                    show(event)
+    if ranks_process.returncode:
+        raise FloeError(fault or _last_words(job, log, ranks_process.returncode))
+
+
+def _event(text: str) -> dict[str, object]:
+    try:
+        event = json.loads(text)
+    except ValueError:
+        event = None
+    if isinstance(event, dict):
+        return event
+    logging.info("ranks: %s", text.rstrip())
+    return {}
+
+
+def _last_words(job: Job, log: Path, code: int) -> str:
+    """Make the sentence for ranks that ended without giving one."""
+    logs = [Path(job.folder) / "log/window" / f"{w}.liggghts.log" for w in job.windows]
+    for path in [*reversed(logs), log]:
+        if path.is_file():
+            for text in reversed(path.read_text(errors="replace").splitlines()):
+                if re.match(r"ERROR|\w*Error\b|FATAL", text.strip()):
+                    return f"windows {job.windows[0]} to {job.windows[-1]}: {text.strip()} ({path})"
+    return f"the ranks ended with code {code}; see {log}"
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Run the rule."""
+    scene = stage.scene(snakemake)
+    folder = stage.scene_folder(snakemake)
+    windows = list(snakemake.params.windows)
+    log = folder / "log/window" / f"{windows[-1]}.ranks.log"
+    fixed = fixed_hashes(scene, snakemake.input.plugin, snakemake.threads)
+    state_path = Path(snakemake.input.state)
+    lock = folder / resume.WORK / f"{windows[0]}.lock"
+    with hold_alone(lock, f"window {windows[0]} of {folder}") as held:
+        forcing = [str(path) for path in snakemake.input.forcing]
+        start = read_state(state_path)
+        _, todo, paths = resume.resume(start, windows, forcing, folder, fixed)
+        if len(todo) < len(windows):
+            done = windows[: len(windows) - len(todo)]
+            logging.info("windows %s are there already, from the same origin", ", ".join(done))
+            work = resume.work_folder(folder, done[-1])
+            state_path = work / resume.PARTS["state"]
+        if todo:
+            values = scene.model_dump(mode="json")
+            job = Job(values, str(state_path), todo, paths, str(folder), fixed)
+            run_ranks(job, snakemake.threads, log, keep=(held,))
+        resume.publish(folder, windows)
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One writer a scene: who holds it is named, and a lock dies with its process."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from floeflow.errors import FloeError
+from floeflow.lock import claim_scene, clear_stale_locks, hold_alone, hold_job
+
+HOLDER = """
+import sys
+from pathlib import Path
+from floeflow import lock
+folder = Path(sys.argv[2])
+with lock.hold_job(folder) if sys.argv[1] == "job" else lock.hold_alone(folder / ".lock", "x"):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.fixture
+def holder():
+    """Start processes that hold a lock until they are ended."""
+    started = []
+
+    def start(kind: str, folder: Path) -> subprocess.Popen[str]:
+        command = [sys.executable, "-c", HOLDER, kind, str(folder)]
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        started.append(process)
+        assert process.stdout is not None and process.stdout.readline() == "held\n"
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
+def test_a_second_run_is_told_who_holds_the_scene(tmp_path: Path, holder):
+    process = holder("run", tmp_path)
+    with pytest.raises(FloeError, match=f"another run holds this scene .process {process.pid}"):
+        claim_scene(tmp_path)
+
+
+def test_a_job_that_outlived_its_run_is_seen(tmp_path: Path, holder):
+    process = holder("job", tmp_path)
+    with pytest.raises(FloeError, match=f"earlier run still writes .* .process {process.pid}"):
+        claim_scene(tmp_path)
+
+
+def test_a_lock_dies_with_its_process(tmp_path: Path, holder):
+    process = holder("run", tmp_path)
+    process.kill()
+    process.wait()
+    os.close(claim_scene(tmp_path))
+
+
+def test_jobs_of_one_run_work_side_by_side(tmp_path: Path, holder):
+    run = claim_scene(tmp_path)
+    holder("job", tmp_path)
+    with hold_job(tmp_path):
+        pass
+    os.close(run)
+
+
+def test_a_window_is_written_by_one_job(tmp_path: Path):
+    with (
+        hold_alone(tmp_path / "w.lock", "window 0001"),
+        pytest.raises(FloeError, match=f"window 0001 is being written by process {os.getpid()}"),
+        hold_alone(tmp_path / "w.lock", "window 0001"),
+    ):
+        pass
+    with hold_alone(tmp_path / "w.lock", "window 0001"):
+        pass
+
+
+def test_only_the_scene_s_stale_locks_are_cleared(tmp_path: Path):
+    locks = tmp_path / "locks"
+    locks.mkdir()
+    (locks / "0.output.lock").write_text("results/a/state/0001.nc\n")
+    (locks / "1.output.lock").write_text("results/ab/state/0001.nc\n")
+    assert clear_stale_locks(Path("results/a"), tmp_path) == 1
+    assert [path.name for path in locks.iterdir()] == ["1.output.lock"]
+
+
+def test_a_place_that_cannot_be_locked_is_named(tmp_path: Path):
+    (tmp_path / ".lock").mkdir()
+    with pytest.raises(FloeError, match="cannot be locked: Is a directory"):
+        claim_scene(tmp_path)

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The state: what is written is read back bit for bit, or refused in one sentence."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+
+from floeflow.effects import EFFECTS
+from floeflow.errors import FloeError
+from floeflow.state import SCHEMA_VERSION, VARIABLES, read_dataset, read_state, write_state
+from floeflow.state.files import checksum
+from floeflow.state.schema import check_state, expected_variables
+
+
+def a_state(effects: tuple[str, ...] = ("wind", "bonds", "thermodynamics"), n: int = 4):
+    """Build a valid state of n elements in a row, each bonded to the next."""
+    rng = np.random.default_rng(5)
+    sizes = {"element": n, "category": 1, "bond": n - 1, "contact": 1}
+    state = xr.Dataset()
+    for name in expected_variables(effects):
+        rule = VARIABLES[name]
+        shape = tuple(sizes[dim] for dim in rule.dims)
+        low = max(rule.low, 0.0)
+        values = low + rng.random(shape) * (min(rule.high, low + 1.0) - low)
+        state[name] = (rule.dims, values.astype(rule.dtype))
+    state["id"] = ("element", np.arange(1, n + 1))
+    for kind, count in (("bond", n - 1), ("contact", 1)):
+        if f"{kind}_id_lo" in state:
+            state[f"{kind}_id_lo"] = (kind, np.arange(1, count + 1))
+            state[f"{kind}_id_hi"] = (kind, np.arange(2, count + 2))
+    state.attrs = {
+        "schema_version": SCHEMA_VERSION,
+        "scene": "test",
+        "effects": " ".join(effects),
+        "window": 0,
+        "time": 0.0,
+        "start": "2000-01-01T00:00:00",
+        "seed": 1,
+        "crs": "EPSG:6931",
+        "ocean_area": 10.0,
+        "unclaimed_water": 1.0,
+        "provenance": json.dumps({}),
+    }
+    return state
+
+
+def test_a_state_comes_back_bit_for_bit(tmp_path: Path):
+    state = a_state()
+    digest = write_state(state, tmp_path / "s.nc")
+    back = read_state(tmp_path / "s.nc")
+    assert back.attrs["checksum"] == digest == checksum(state)
+    for name in state.variables:
+        assert back[name].values.tobytes() == state[name].values.tobytes()
+        assert back[name].attrs["units"] == VARIABLES[str(name)].units
+
+
+def test_a_state_without_elements_is_a_state(tmp_path: Path):
+    empty = a_state().isel(element=slice(0, 0), bond=slice(0, 0), contact=slice(0, 0))
+    write_state(empty, tmp_path / "s.nc")
+    assert read_state(tmp_path / "s.nc").sizes["element"] == 0
+
+
+def test_only_the_scene_s_effects_bring_variables():
+    without = expected_variables(("wind",))
+    assert not any(name.startswith("bond_") for name in without)
+    assert "surface_temperature" not in without
+    added = {name for effect in EFFECTS.values() for name in effect.state}
+    assert added <= set(VARIABLES)
+
+
+def broken(change: str):
+    """Break one thing of a state."""
+    state = a_state()
+    if change == "missing":
+        return state.drop_vars("x")
+    if change == "nan":
+        state["x"].values[2] = np.nan
+    if change == "range":
+        state["ice_fraction"].values[1] = 1.5
+    if change == "type":
+        state["x"] = state["x"].astype("float32")
+    if change == "extra":
+        state["colour"] = ("element", np.zeros(4))
+    if change == "order":
+        state["id"].values[:2] = [2, 1]
+    if change == "pair":
+        state["bond_id_lo"].values[0] = 3
+    if change == "ghost":
+        state["bond_id_hi"].values[2] = 99
+    if change == "newer":
+        state.attrs["schema_version"] = SCHEMA_VERSION + 1
+    if change == "attribute":
+        del state.attrs["seed"]
+    return state
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ("missing", "variable 'x' is missing"),
+        ("nan", "variable 'x' is nan at element 2"),
+        ("range", r"variable 'ice_fraction' is 1.5 at element 1, outside \[0, 1\]"),
+        ("type", "variable 'x' is of type float32, not float64"),
+        ("extra", "variable 'colour' is not of this scene's effects"),
+        ("order", "not sorted by id"),
+        ("pair", "does not name its lower id first"),
+        ("ghost", "names an element that does not exist"),
+        ("newer", f"schema version is {SCHEMA_VERSION + 1}, this FloeFlow reads version"),
+        ("attribute", "attribute 'seed' is missing"),
+    ],
+)
+def test_a_broken_state_is_refused(tmp_path: Path, change: str, sentence: str):
+    with pytest.raises(FloeError, match=sentence):
+        check_state(broken(change))
+    with pytest.raises(FloeError, match="not written"):
+        write_state(broken(change), tmp_path / "s.nc")
+    assert not list(tmp_path.iterdir())
+
+
+@given(where=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7))
+def test_a_flipped_bit_is_seen_or_harmless(tmp_path_factory, where: float, bit: int):
+    folder = tmp_path_factory.mktemp("flip")
+    state = a_state()
+    write_state(state, folder / "s.nc")
+    raw = bytearray((folder / "s.nc").read_bytes())
+    raw[int(where * len(raw))] ^= 1 << bit
+    (folder / "s.nc").write_bytes(raw)
+    try:
+        back = read_state(folder / "s.nc")
+    except FloeError as error:
+        assert "s.nc" in str(error)
+    else:
+        # HDF5 has bytes without meaning; what is read is then what was written.
+        assert checksum(back) == checksum(state)
+
+
+def test_a_cut_file_is_refused(tmp_path: Path):
+    path = tmp_path / "s.nc"
+    write_state(a_state(), path)
+    raw = path.read_bytes()
+    for size in range(0, len(raw) - 1, 4096):
+        path.write_bytes(raw[:size])
+        with pytest.raises(FloeError, match=r"s\.nc"):
+            read_state(path)
+
+
+def test_a_foreign_file_is_refused(tmp_path: Path):
+    path = tmp_path / "f.nc"
+    xr.Dataset({"a": ("x", [1.0])}).to_netcdf(path)
+    with pytest.raises(FloeError, match="no checksum"):
+        read_dataset(path)
+    with pytest.raises(FloeError, match="there is no such file"):
+        read_dataset(tmp_path / "none.nc")
+
+
+def test_a_failed_write_keeps_the_older_file(tmp_path: Path):
+    path = tmp_path / "s.nc"
+    digest = write_state(a_state(), path)
+    with pytest.raises(FloeError):
+        write_state(broken("nan"), path)
+    assert read_state(path).attrs["checksum"] == digest
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FloeError, match="cannot be written"):
+        write_state(a_state(), tmp_path / "file" / "s.nc")
