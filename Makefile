@@ -21,7 +21,7 @@ setup: ## install what is missing and build the plugin
 
 run: setup ## set up, then run SCENE= and print where its report lies
 	@.venv/bin/snakemake --profile workflows/profiles/local \
-	    --config 'scene=$(SCENE)' $(if $(RANKS),ranks=$(RANKS))
+	    --config 'scene=$(SCENE)' $(if $(RANKS),--set-threads window=$(RANKS))
 
 test: setup lint ## set up, then run lint and every test but the slow ones
 	ctest --test-dir build/liggghts_models --output-on-failure

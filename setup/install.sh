@@ -36,13 +36,15 @@ install_packages() {
     mapfile -t missing < <(missing_packages)
     ((${#missing[@]})) || return 0
 
-    local list="${missing[*]}"
+    local list="${missing[*]}" own=""
+    [[ $list != *liggghts* ]] ||
+        own="; a LIGGGHTS 3.8.0 built from source is named with LIGGGHTS_ROOT="
     [[ ${NO_APT:-} != 1 ]] ||
-        fail "these are missing and NO_APT=1 forbids installing them: $list (they are the names" \
-            "of Debian packages; install them, or leave NO_APT=1 out)."
+        fail "these are missing and NO_APT=1 forbids installing them: $list (names of Debian" \
+            "packages; install them, or leave NO_APT=1 out$own)."
     command -v apt-get >/dev/null ||
-        fail "these are missing and there is no apt-get here to install them with: $list (names" \
-            "of Debian packages; install what your system calls them, or use Debian 12)."
+        fail "these are missing and there is no apt-get to install them with: $list (names of" \
+            "Debian packages; install what your system calls them, or use Debian 12$own)."
     if (($(id -u))); then
         command -v sudo >/dev/null ||
             fail "these packages are missing and installing them needs root or sudo: ask an" \
@@ -65,6 +67,11 @@ install_packages() {
     "${install[@]}" >/dev/null || { # the lists may name versions that are gone
         "${as_root[@]}" apt-get -qq update && "${install[@]}" >/dev/null
     } || fail "'apt-get install $list' failed: see its words above."
+    check_interpreter
+    mapfile -t missing < <(missing_packages)
+    ((!${#missing[@]})) ||
+        fail "after 'apt-get install' these are still missing, perhaps hidden by other programs of" \
+            "the same name on PATH: ${missing[*]}."
 }
 
 check_liggghts_root() {

@@ -10,7 +10,7 @@ stages=(preprocess dynamics column postprocess)
 
 check_ruff() { "$bin/ruff" check --quiet . && "$bin/ruff" format --quiet --check --diff .; }
 
-check_snakefiles() { "$bin/snakefmt" --quiet --check --compact-diff Snakefile workflows; }
+check_snakefiles() { "$bin/snakefmt" --check --compact-diff Snakefile workflows; }
 
 # The type checker gets a farm of links that looks as the installed package does, because the
 # stages lie beside floeflow/ and not in it, where it would not find them.
