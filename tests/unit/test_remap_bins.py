@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Invariants of the adding up: totals, land, full cells; and of the choice between the two."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from floeflow.errors import FloeError
+from floeflow.postprocess.remap import (
+    Field,
+    Grid,
+    Remapper,
+    build_bins,
+    build_weights,
+    remap,
+)
+
+GRID = Grid(np.arange(6.0), np.arange(5.0))
+CELLS = np.ones(GRID.shape)
+
+
+@pytest.mark.parametrize("reach", [1, 2])
+def test_total_is_conserved(reach):
+    rng = np.random.default_rng(0)
+    x, y = rng.uniform(-0.5, 5.5, 300), rng.uniform(-0.5, 4.5, 300)
+    room = rng.uniform(0.2, 1.0, GRID.shape)
+    volume = rng.uniform(0, 1e12, 300)
+    total = build_bins(x, y, GRID, room, reach=reach).total(volume)
+    assert total.sum() == pytest.approx(volume.sum(), rel=1e-13)
+    assert (total >= 0).all()
+
+
+def test_no_ice_on_land_and_what_finds_no_sea_is_counted():
+    room = CELLS.copy()
+    room[:, :3] = 0.0
+    x, y = np.array([0.5, 2.4, 4.0, 40.0]), np.full(4, 2.2)
+    bins = build_bins(x, y, GRID, room)
+    amount = np.array([1.0, 10.0, 100.0, 1000.0])
+    total = bins.total(amount)
+    assert (total[:, :3] == 0).all()
+    assert total.sum() == pytest.approx(110.0, rel=1e-14)
+    assert bins.unplaced(amount) == 1001.0
+    coverage = bins.coverage(amount)
+    assert np.isnan(coverage[:, :3]).all() and np.isfinite(coverage[:, 3:]).all()
+
+
+def test_a_full_sea_covers_its_cells_up_to_the_coast():
+    """Elements fill all right of x = 1.5, where the land's cells end: no false leads there."""
+    fine = (np.arange(40) + 0.5) / 10
+    x, y = (axis.ravel() for axis in np.meshgrid(fine + 1.5, (np.arange(50) + 0.5) / 10 - 0.5))
+    room = CELLS.copy()
+    room[:, :2] = 0.0
+    coverage = build_bins(x, y, GRID, room).coverage(np.full(len(x), 0.01))
+    np.testing.assert_allclose(coverage[:, 2:], 1.0, atol=1e-12)
+
+
+def test_half_a_cell_of_ice_is_half_covered():
+    """An ice edge along x = 3: the cell on it is half ice, those further away full or empty."""
+    fine = (np.arange(35) + 0.5) / 10 - 0.5
+    x, y = (axis.ravel() for axis in np.meshgrid(fine, (np.arange(50) + 0.5) / 10 - 0.5))
+    coverage = build_bins(x, y, GRID, CELLS).coverage(np.full(len(x), 0.01))
+    np.testing.assert_allclose(coverage[2], [1, 1, 1, 0.5, 0, 0], atol=1e-12)
+    assert coverage.sum() == pytest.approx(17.5, rel=1e-12)
+
+
+places = st.tuples(st.floats(-3, 9), st.floats(-3, 9), st.floats(0, 100))
+
+
+@settings(deadline=None, derandomize=True, max_examples=200)
+@given(
+    st.lists(places, max_size=10),
+    st.lists(st.sampled_from([0.0, 0.3, 1.0]), min_size=30, max_size=30),
+    st.integers(1, 3),
+)
+def test_any_elements(rows, room, reach):
+    x, y, amount = np.array(rows).reshape(-1, 3).T
+    bins = build_bins(x, y, GRID, np.array(room).reshape(GRID.shape), reach=reach)
+    total = bins.total(amount)
+    assert (total >= 0).all() and (total[bins.room == 0] == 0).all()
+    np.testing.assert_allclose(total.sum() + bins.unplaced(amount), amount.sum(), rtol=1e-12)
+
+
+def test_kind_decides():
+    x, y = np.array([2.2, 1.8, 2.1, 1.7]), np.array([1.1, 1.3, 0.8, 0.9])
+    weights = {"ice_area": build_weights(x, y, np.ones(4), GRID)}
+    remapper = Remapper(weights, build_bins(x, y, GRID, CELLS))
+    thickness, volume = Field("sithick", "intensive", "ice_area"), Field("volume", "extensive")
+    twos = np.full(4, 2.0)
+    assert remap(thickness, twos, remapper)[1, 2] == pytest.approx(2.0)
+    assert remap(volume, twos, remapper).sum() == pytest.approx(8.0)
+    with pytest.raises(FloeError, match="averaged over 'ice_mass'.*there are: ice_area"):
+        remap(Field("siu", "intensive", "ice_mass"), twos, remapper)
+
+
+def test_bad_input_is_named():
+    one = np.ones(1)
+    with pytest.raises(FloeError, match="room has shape"):
+        build_bins(one, one, GRID, np.ones(3))
+    with pytest.raises(FloeError, match="finite and not negative"):
+        build_bins(one, one, GRID, -CELLS)
+    with pytest.raises(FloeError, match="amounts have shape"):
+        build_bins(one, one, GRID, CELLS).total(np.ones(2))
