@@ -51,6 +51,18 @@ class Mask(Block):
         "sea_ice_area_fraction.",
     )
     thickness: str = key("", "Name of the ice thickness variable (m); empty: see thickness_rule.")
+    water: str = key(
+        "",
+        "Name of a variable that is there on all water and missing on land (such as the sea "
+        "surface temperature): where it is there but concentration is missing, the water is open.",
+    )
+    fill_reach: float = key(
+        3.0e5,
+        "Missing concentration takes the nearest known one up to this far; beyond it there is "
+        "no ice.",
+        "m",
+        ge=0,
+    )
     refine: int = key(4, "Mask cells per cell of the scene grid, each way.", ge=1, le=32)
     minimum_concentration: float = key(
         0.15, "Cells with less ice than this count as open water.", "1", ge=0, lt=1
