@@ -30,6 +30,7 @@ from floeflow.dynamics.job import Job
 from floeflow.dynamics.motion import Motion, move
 from floeflow.dynamics.series import series_dataset, volumes
 from floeflow.errors import FloeError
+from floeflow.lock import hold_job
 from floeflow.state import read_dataset, read_state, write_dataset, write_state
 
 Report = Callable[..., None]
@@ -114,8 +115,14 @@ def _costs(scene: Scene, ranks: int, motion: Motion, column_seconds: float) -> l
 
 def march(comm: MPI.Comm, job: Job) -> None:
     """Advance a job's windows and write each to the work folder."""
-    scene = job.read_scene()
     folder = Path(job.folder)
+    # Ranks may outlive the rule that started them; the next run sees them by this lock.
+    with hold_job(folder):
+        _march(comm, job, folder)
+
+
+def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
+    scene = job.read_scene()
     state = on_root(comm, read_state, job.state)
     for window, path in zip(job.windows, job.forcing, strict=True):
         began = time.perf_counter()

@@ -30,7 +30,7 @@ def fixed_hashes(scene: Scene, plugin: str | Path, ranks: int) -> dict[str, str]
     return {**hashes, "plugin": resume.file_hash(plugin), "ranks": str(ranks)}
 
 
-def run_ranks(job: Job, ranks: int, log: Path, keep: tuple[int, ...] = ()) -> None:
+def run_ranks(job: Job, ranks: int, log: Path) -> None:
     """Advance a job's windows on so many ranks.
 
     Parameters
@@ -41,8 +41,6 @@ def run_ranks(job: Job, ranks: int, log: Path, keep: tuple[int, ...] = ()) -> No
         Number of MPI ranks.
     log : Path
         Gets what the ranks say on standard error.
-    keep : tuple of int
-        Descriptors of locks that the ranks hold as long as they live.
 
     Raises
     ------
@@ -61,7 +59,6 @@ def run_ranks(job: Job, ranks: int, log: Path, keep: tuple[int, ...] = ()) -> No
                 stdout=subprocess.PIPE,
                 stderr=errors,
                 text=True,
-                pass_fds=keep,
             )
         except OSError as error:
             raise FloeError(f"mpirun cannot be started: {error.strerror}") from None
@@ -110,7 +107,7 @@ def main(snakemake: stage.Snakemake) -> None:
     fixed = fixed_hashes(scene, snakemake.input.plugin, snakemake.threads)
     state_path = Path(snakemake.input.state)
     lock = folder / resume.WORK / f"{windows[0]}.lock"
-    with hold_alone(lock, f"window {windows[0]} of {folder}") as held:
+    with hold_alone(lock, f"window {windows[0]} of {folder}"):
         forcing = [str(path) for path in snakemake.input.forcing]
         start = read_state(state_path)
         _, todo, paths = resume.resume(start, windows, forcing, folder, fixed)
@@ -122,7 +119,7 @@ def main(snakemake: stage.Snakemake) -> None:
         if todo:
             values = scene.model_dump(mode="json")
             job = Job(values, str(state_path), todo, paths, str(folder), fixed)
-            run_ranks(job, snakemake.threads, log, keep=(held,))
+            run_ranks(job, snakemake.threads, log)
         resume.publish(folder, windows)
 
 

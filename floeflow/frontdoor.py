@@ -26,6 +26,7 @@ LOOKING = {"--lint", "-l", "--summary", "-S", "--detailed-summary", "-D", "--dag
 LOOKING |= {"--filegraph", "--d3dag", "--list-rules", "--list", "--list-target-rules", "--lt"}
 
 RESULTS = Path("results")
+PLUGIN = Path("build/liggghts_models/libfloe.so")
 
 
 @dataclass(frozen=True)
@@ -120,6 +121,8 @@ def _open_scene(config: dict[str, Any], workflow: Any) -> Run:
 def _check_inputs(scene: Scene) -> None:
     from floeflow.preprocess.inputs import check_forcing_file, check_mask_file
 
+    if not PLUGIN.is_file():
+        raise FloeError(f"{PLUGIN}: the LIGGGHTS plugin is not built; 'make setup' builds it")
     check_mask_file(scene)
     if scene.forcing.source == "file":
         check_forcing_file(scene)

@@ -2,7 +2,7 @@
 """What all rules share: the run, its groups of windows, and the inputs that depend on them."""
 
 from floeflow.config import stage_hash
-from floeflow.frontdoor import open_scene
+from floeflow.frontdoor import PLUGIN, open_scene
 
 RUN = open_scene(config, workflow)
 EFFECTS = RUN.scene.effects
@@ -52,3 +52,16 @@ def bonds_input(wildcards):
     return (
         f"results/{wildcards.scene}/preprocess/bonds.nc" if "bonds" in EFFECTS else []
     )
+
+
+def stage_benchmarks(wildcards):
+    """What Snakemake measured of the stages before and after the windows."""
+    stages = ["mask", "packing", "initial", "diagnostics"]
+    if land_input(wildcards):
+        stages.insert(0, "land")
+    if bonds_input(wildcards):
+        stages.insert(-2, "bonds")
+    grids = [f"grid/{window}" for window in ["0000", *RUN.ends]]
+    forcing = [f"forcing/{window}" for window in RUN.windows]
+    names = [*stages, *forcing, *grids]
+    return [f"results/{wildcards.scene}/benchmarks/{name}.tsv" for name in names]

@@ -6,7 +6,7 @@ rule window:
     input:
         state=previous_state,
         forcing=group_forcing,
-        plugin="build/liggghts_models/libfloe.so",
+        plugin=PLUGIN,
     output:
         state="results/{scene}/state/{window}.nc",
         series="results/{scene}/series/{window}.nc",
@@ -22,7 +22,7 @@ rule window:
         mem_mb=4000,
         runtime=240,
     params:
-        keys=keys_of("dynamics", "column"),
+        scene_keys=keys_of("dynamics", "column"),
         windows=group_windows,
     message:
         "Windows {params.windows}: dynamics and column on {threads} ranks"

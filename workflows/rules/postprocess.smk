@@ -16,7 +16,7 @@ rule grid:
         mem_mb=1000,
         runtime=10,
     params:
-        keys=keys_of("grid"),
+        scene_keys=keys_of("grid"),
     message:
         "Grid: state {wildcards.window} on the scene's grid"
     script:
@@ -46,7 +46,7 @@ rule diagnostics:
         mem_mb=2000,
         runtime=10,
     params:
-        keys=keys_of("diagnostics"),
+        scene_keys=keys_of("diagnostics"),
         windows=RUN.windows,
     message:
         "Diagnostics: series, budgets and their residuals"
@@ -64,6 +64,7 @@ rule report:
         last_grid=f"results/{{scene}}/grid/{RUN.ends[-1]}.nc",
         mask="results/{scene}/preprocess/mask.nc",
         packing="results/{scene}/preprocess/packing.nc",
+        benchmarks=stage_benchmarks,
     output:
         report="results/{scene}/report.html",
         figures=directory("results/{scene}/figures"),
@@ -75,7 +76,7 @@ rule report:
         mem_mb=2000,
         runtime=10,
     params:
-        keys=keys_of("report"),
+        scene_keys=keys_of("report"),
     message:
         "Report: maps, series, budgets and cost of the scene"
     script:

@@ -13,7 +13,7 @@ rule land:
         mem_mb=2000,
         runtime=10,
     params:
-        keys=keys_of("land"),
+        scene_keys=keys_of("land"),
     message:
         "Land: share of each mask cell on the 1 km land mask"
     script:
@@ -34,7 +34,7 @@ rule mask:
         mem_mb=1000,
         runtime=10,
     params:
-        keys=keys_of("mask"),
+        scene_keys=keys_of("mask"),
     message:
         "Mask: ice concentration and thickness of {input.source} on the scene's grid"
     script:
@@ -54,7 +54,7 @@ rule packing:
         mem_mb=2000,
         runtime=30,
     params:
-        keys=keys_of("packing"),
+        scene_keys=keys_of("packing"),
     message:
         "Packing: elements over the ice, their cells and radii"
     script:
@@ -74,7 +74,7 @@ rule bonds:
         mem_mb=1000,
         runtime=10,
     params:
-        keys=keys_of("bonds"),
+        scene_keys=keys_of("bonds"),
     message:
         "Bonds: glue lines between neighbours"
     script:
@@ -92,7 +92,7 @@ rule analytic:
         mem_mb=1000,
         runtime=10,
     params:
-        keys=keys_of("forcing"),
+        scene_keys=keys_of("forcing"),
     message:
         "Forcing: cyclone, gyre and weather of window {wildcards.window}"
     script:
@@ -112,7 +112,7 @@ rule forcing:
         mem_mb=2000,
         runtime=10,
     params:
-        keys=keys_of("forcing"),
+        scene_keys=keys_of("forcing"),
     message:
         "Forcing: {input.source} on the scene's grid, window {wildcards.window}"
     script:
@@ -133,7 +133,7 @@ rule initial:
         mem_mb=1000,
         runtime=10,
     params:
-        keys=keys_of("initial", "mask"),
+        scene_keys=keys_of("initial", "mask"),
     message:
         "State 0: elements and bonds at the start"
     script:

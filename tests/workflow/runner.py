@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Run the real workflow in a folder of its own, as a user would from a terminal."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+PROJECT = Path(__file__).resolve().parents[2]
+# What a run reads of the project, by relative path.
+READ = ("data", "build", "config")
+
+
+@dataclass
+class Place:
+    """A working folder of the workflow."""
+
+    folder: Path
+
+    def command(self, scene: Path, ranks: int, *more: str) -> list[str]:
+        """Snakemake's command line, as ``make run`` has it."""
+        snakemake = Path(sys.executable).with_name("snakemake")
+        return [
+            str(snakemake),
+            *("--snakefile", str(PROJECT / "Snakefile")),
+            *("--profile", str(PROJECT / "workflows/profiles/local")),
+            *("--directory", str(self.folder)),
+            *("--cores", "2", "--set-threads", f"window={ranks}"),
+            *("--config", f"scene={scene}"),
+            *more,
+        ]
+
+    def scene(self, base: str = "smoke", /, **changes: object) -> Path:
+        """Write a shipped scene with changes, given as block={key: value} or key=value."""
+        data = yaml.safe_load((PROJECT / f"config/scenes/{base}.yaml").read_text())
+        for name, change in changes.items():
+            if isinstance(change, dict):
+                data[name] = {**data.get(name, {}), **change}
+            else:
+                data[name] = change
+        path = self.folder / f"{data['name']}.yaml"
+        path.write_text(yaml.safe_dump(data))
+        return path
+
+    def run(self, scene: Path, *more: str, ranks: int = 2) -> subprocess.CompletedProcess[str]:
+        """Run to the end; standard error is joined to standard output."""
+        return subprocess.run(
+            self.command(scene, ranks, *more),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+
+    def start(self, scene: Path, *more: str, ranks: int = 2) -> subprocess.Popen[str]:
+        """Start in a session of its own, so that all of it can be killed."""
+        return subprocess.Popen(
+            self.command(scene, ranks, *more),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+
+    def results(self, name: str = "smoke") -> Path:
+        """Results of a scene."""
+        return self.folder / "results" / name
+
+
+def make_place(folder: Path, like: Place | None = None) -> Place:
+    """Make a working folder, empty or a copy of another with all its results."""
+    if like is None:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in READ:
+            (folder / name).symlink_to(PROJECT / name)
+    else:
+        shutil.copytree(like.folder, folder, symlinks=True)
+    return Place(folder)
+
+
+def read_until(process: subprocess.Popen[str], words: str) -> str:
+    """Read a process's output up to the line that holds these words, and return that line."""
+    assert process.stdout is not None
+    seen = []
+    for line in process.stdout:
+        seen.append(line)
+        if words in line:
+            return line
+    raise AssertionError(f"ended without '{words}':\n" + "".join(seen))
+
+
+def drain(process: subprocess.Popen[str]) -> str:
+    """Read until the last process that writes to this output has ended."""
+    assert process.stdout is not None
+    rest = process.stdout.read()
+    process.wait()
+    return rest
+
+
+def kill_all(process: subprocess.Popen[str]) -> None:
+    """``kill -9`` a run with all its children, ranks included."""
+    os.killpg(process.pid, signal.SIGKILL)
+    drain(process)
+
+
+def kill_alone(process: subprocess.Popen[str]) -> None:
+    """``kill -9`` Snakemake only; its job lives on."""
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
