@@ -1,0 +1,284 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Budgets of the run: what changed, what explains it, and what is left over.
+
+Each budget is closed window by window, so that two faults of opposite sign in two windows do not
+hide each other; its verdict rests on the worst window. Thresholds are stated here once and shown
+in the report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Relative residuals up to ``closed`` are round-off, up to ``fair`` worth a look."""
+
+    closed: float
+    fair: float
+
+
+# Sums of a window's terms reach round-off. What depends on the time step (energy of the DEM) or on
+# the grid (totals of an interpolation) cannot, and gets the width of its method.
+LIMITS: dict[str, Limits] = {
+    "momentum": Limits(1e-8, 1e-4),
+    "ice_volume": Limits(1e-10, 1e-6),
+    "ice_volume_dynamics": Limits(1e-12, 1e-9),
+    "column_energy": Limits(1e-10, 1e-6),
+    "dem_energy": Limits(2e-2, 1e-1),
+    "grid": Limits(1e-6, 2e-2),
+}
+
+
+@dataclass(frozen=True)
+class Budget:
+    """One budget of the run.
+
+    Parameters
+    ----------
+    name : str
+        Short name, also of the per-window residual in ``diagnostics.nc``.
+    label : str
+        What it is, for people.
+    unit : str
+        Unit of change, terms and residual.
+    change : ndarray
+        What changed in each window, (window,).
+    terms : mapping of str to ndarray
+        What explains the change, signed, (window,) each.
+    scale : ndarray
+        To which the residual is compared, (window,).
+    windows : ndarray
+        Numbers of the windows, (window,).
+    limits : Limits
+        Of the relative residual.
+    stock : bool
+        The entries are stocks at a time, of which the last stands for the run; else changes,
+        which add up over it.
+    """
+
+    name: str
+    label: str
+    unit: str
+    change: Array
+    terms: Mapping[str, Array]
+    scale: Array
+    windows: NDArray[np.int64]
+    limits: Limits
+    stock: bool = False
+
+    @property
+    def residual(self) -> Array:
+        """Change that the terms do not explain, (window,)."""
+        explained = np.zeros_like(self.change)
+        for term in self.terms.values():
+            explained = explained + term
+        return self.change - explained
+
+    @property
+    def relative(self) -> Array:
+        """Absolute residual over the scale, (window,); infinite where the scale alone is 0."""
+        return relative(self.residual, self.scale)
+
+    def _total(self, values: Array) -> float:
+        return float(values[-1:].sum() if self.stock else values.sum())
+
+    def summary(self) -> dict[str, Any]:
+        """Sums over the windows (of stocks the last) and the worst window, as JSON types."""
+        ratios = self.relative
+        worst = int(np.argmax(ratios)) if ratios.size else None
+        value = float(ratios[worst]) if worst is not None else 0.0
+        return {
+            "name": self.name,
+            "label": self.label,
+            "unit": self.unit,
+            "change": self._total(self.change),
+            "terms": {name: self._total(term) for name, term in self.terms.items()},
+            "residual": self._total(self.residual),
+            "relative": value if np.isfinite(value) else None,
+            "worst_window": int(self.windows[worst]) if worst is not None else None,
+            "closed_limit": self.limits.closed,
+            "fair_limit": self.limits.fair,
+            "verdict": verdict(value, self.limits),
+        }
+
+
+def relative(residual: Array, scale: Array) -> Array:
+    """Return |residual| / |scale|: 0 where both vanish, infinite where only the scale does."""
+    size, base = np.abs(residual), np.abs(scale)
+    ratio = np.divide(size, base, out=np.full_like(size, np.inf), where=base > 0)
+    return np.where(size == 0, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
+
+
+def verdict(value: float, limits: Limits) -> str:
+    """Return 'closed', 'fair' or 'open' for a relative residual."""
+    if value <= limits.closed:
+        return "closed"
+    return "fair" if value <= limits.fair else "open"
+
+
+def _matching(scalars: xr.Dataset, prefix: str, suffix: str = "") -> dict[str, Array]:
+    """Per-window terms named prefix + term + suffix, by term."""
+    return {
+        name[len(prefix) : len(name) - len(suffix)]: scalars[name].values.astype(float)
+        for name in map(str, scalars.data_vars)
+        if name.startswith(prefix) and name.endswith(suffix)
+    }
+
+
+def momentum_budget(scalars: xr.Dataset, axis: str) -> Budget:
+    """Momentum of the mobile elements along an axis over the dynamics of each window.
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        Budget scalars of the series on the dimension ``window``.
+    axis : str
+        ``x`` or ``y``.
+
+    Returns
+    -------
+    Budget
+        P_end - P_start against the sum of impulses (kg m/s), relative to the sum of their
+        absolute values, or to the momentum itself where nothing pushes.
+    """
+    start = scalars[f"momentum_{axis}_start"].values.astype(float)
+    end = scalars[f"momentum_{axis}_end"].values.astype(float)
+    terms = _matching(scalars, "impulse_", f"_{axis}")
+    pushed = _absolute_sum(terms, start)
+    return Budget(
+        f"momentum_{axis}",
+        f"Momentum along {axis}",
+        "kg m/s",
+        end - start,
+        terms,
+        np.where(pushed > 0, pushed, np.abs(start) + np.abs(end)),
+        scalars["window"].values,
+        LIMITS["momentum"],
+    )
+
+
+def ice_volume_budgets(scalars: xr.Dataset, volume: Array) -> list[Budget]:
+    """Ice volume of the run, and what the dynamics did to it (nothing, to round-off).
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        Budget scalars of the series on the dimension ``window``.
+    volume : ndarray
+        Ice volume in the states at the window boundaries (m3), (window + 1,).
+    """
+    start = scalars["ice_volume_start"].values.astype(float)
+    moved = scalars["ice_volume_dynamics"].values.astype(float) - start
+    windows = scalars["window"].values
+    growth = _matching(scalars, "growth_")
+    run = Budget(
+        "ice_volume",
+        "Ice volume",
+        "m3",
+        np.diff(volume),
+        {**growth, "dynamics": moved},
+        volume[1:],
+        windows,
+        LIMITS["ice_volume"],
+    )
+    dynamics = Budget(
+        "ice_volume_dynamics",
+        "Ice volume over the dynamics",
+        "m3",
+        moved,
+        {},
+        start,
+        windows,
+        LIMITS["ice_volume_dynamics"],
+    )
+    return [run, dynamics]
+
+
+def column_energy_budget(scalars: xr.Dataset) -> Budget:
+    """Energy that went into the columns against the energy they stored (J)."""
+    terms = _matching(scalars, "energy_")
+    stored = terms.pop("stored")
+    return Budget(
+        "column_energy",
+        "Energy of the columns",
+        "J",
+        stored,
+        terms,
+        _absolute_sum(terms, stored),
+        scalars["window"].values,
+        LIMITS["column_energy"],
+    )
+
+
+def dem_energy_budget(scalars: xr.Dataset, kinetic: Array, elastic: Array) -> Budget | None:
+    """Mechanical energy against work and dissipation as the engine accumulates them.
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        Budget scalars of the series on the dimension ``window``.
+    kinetic, elastic : ndarray
+        Change over the dynamics of each window (J), (window,).
+
+    Returns
+    -------
+    Budget or None
+        None where the engine reports neither work nor dissipation.
+    """
+    work = {f"work {k}": v for k, v in _matching(scalars, "work_").items()}
+    lost = {f"dissipation {k}": -v for k, v in _matching(scalars, "dissipation_").items()}
+    if not work and not lost:
+        return None
+    terms = {**work, **lost}
+    return Budget(
+        "dem_energy",
+        "Mechanical energy",
+        "J",
+        kinetic + elastic,
+        terms,
+        _absolute_sum(terms, kinetic),
+        scalars["window"].values,
+        LIMITS["dem_energy"],
+    )
+
+
+def grid_budget(name: str, label: str, unit: str, grid: xr.DataArray, elements: Array) -> Budget:
+    """Total on the grid against the elements' total at the same window boundaries.
+
+    Parameters
+    ----------
+    name, label, unit : str
+        Of the quantity.
+    grid : xarray.DataArray
+        Totals on the grid with the coordinate ``grid_window``, (grid,).
+    elements : ndarray
+        The elements' totals at the same boundaries, (grid,).
+    """
+    return Budget(
+        f"grid_{name}",
+        label,
+        unit,
+        grid.values.astype(float),
+        {"elements": elements},
+        elements,
+        grid["grid_window"].values,
+        LIMITS["grid"],
+        stock=True,
+    )
+
+
+def _absolute_sum(terms: Mapping[str, Array], like: Array) -> Array:
+    total = np.zeros(like.shape)
+    for term in terms.values():
+        total = total + np.abs(term)
+    return total
