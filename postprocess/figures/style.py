@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One look for all figures: type, colours, colour maps, and how a figure becomes a file.
+
+Colour maps are cmocean's sequential ones, whose lightness is monotonic: they survive a black and
+white print and the common forms of colour blindness. Lines and bars take the colours of Okabe and
+Ito (2008) and differ in dash or hatch as well. Figures are made without pyplot, so there is no
+global state and any number of them can be made side by side.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import cmocean
+import matplotlib
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Colormap
+from matplotlib.figure import Figure
+
+INK, FAINT = "#1d2733", "#6b7885"
+BLUE, VERMILION, GREEN, ORANGE, SKY = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9"
+WATER, LAND, COAST = "#dce6ee", "#b9b4aa", "#7d776c"
+
+_SETTINGS = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.8,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 5),
+    "axes.formatter.use_mathtext": True,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "hatch.linewidth": 0.6,
+    # Reproducible names in SVG, and its letters as outlines, so that any browser draws them alike.
+    "svg.hashsalt": "floeflow",
+    "svg.fonttype": "path",
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """How a mapped quantity is named and coloured.
+
+    Parameters
+    ----------
+    name : str
+        Part of the file name.
+    label : str
+        With unit, beside the colour bar.
+    colours : str
+        Name of a cmocean map.
+    low, high : float or None
+        Ends of the scale; None: from the data.
+    """
+
+    name: str
+    label: str
+    colours: str
+    low: float | None = 0.0
+    high: float | None = None
+
+    @property
+    def cmap(self) -> Colormap:
+        """The colour map without its darkest part, in which outlines and print would drown."""
+        full = getattr(cmocean.cm, self.colours)
+        dark_first = self.colours == "ice"
+        crop: Colormap = cmocean.tools.crop_by_percent(
+            full, 30 if dark_first else 12, which="min" if dark_first else "max"
+        )
+        return crop
+
+    @property
+    def water(self) -> str | tuple[float, ...]:
+        """Colour of open water: where the scale tells ice from none, its own zero."""
+        return tuple(self.cmap(0.0)) if self.colours == "ice" else WATER
+
+
+CONCENTRATION = Quantity("concentration", "Ice concentration (1)", "ice", 0.0, 1.0)
+THICKNESS = Quantity("thickness", "Ice thickness (m)", "dense")
+VOLUME = Quantity("volume", "Ice volume per area (m)", "dense")
+SNOW = Quantity("snow", "Snow thickness on ice (m)", "tempo")
+SPEED = Quantity("speed", "Drift speed (m/s)", "amp")
+DISTANCE = Quantity("distance", "Net displacement (km)", "amp")
+
+
+@contextmanager
+def look() -> Iterator[None]:
+    """Draw with the report's look; figures made inside keep it."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_SETTINGS)
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure (inches) with room made for labels as they come."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def write_png(figure: Figure, path: Path, dpi: int) -> bytes:
+    """Write a figure as PNG, and return its bytes."""
+    with look():
+        figure.savefig(path, dpi=dpi, format="png", metadata={"Software": "FloeFlow"})
+    return path.read_bytes()
+
+
+def as_svg(figure: Figure) -> bytes:
+    """A figure as SVG without a date."""
+    buffer = io.BytesIO()
+    with look():
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return buffer.getvalue()
+
+
+def common_limits(quantity: Quantity, *fields: np.ndarray) -> tuple[float, float]:
+    """Colour limits for maps that are to be compared: the quantity's own, else of the data.
+
+    Parameters
+    ----------
+    quantity : Quantity
+        Its fixed ends come first.
+    fields : ndarray
+        Values of any shape; those that are not finite do not count.
+
+    Returns
+    -------
+    tuple of float
+        Low and high, low < high also for constant or absent data.
+    """
+    values = np.concatenate([np.ravel(field) for field in fields]) if fields else np.zeros(0)
+    values = values[np.isfinite(values)]
+    low = quantity.low if quantity.low is not None else float(values.min(initial=0.0))
+    high = quantity.high if quantity.high is not None else float(values.max(initial=low))
+    return low, high if high > low else low + 1.0
+
+
+def nice_step(span: float, most: int) -> float:
+    """Smallest of 1, 2, 5 x 10^n that cuts a span into at most that many parts."""
+    if not span > 0:
+        return 1.0
+    raw = span / most
+    base = 10.0 ** np.floor(np.log10(raw))
+    return float(next(base * k for k in (1, 2, 5, 10) if base * k >= raw * (1 - 1e-12)))
