@@ -38,7 +38,11 @@ def column_state(state: xr.Dataset, rows: np.ndarray) -> ColumnState:
 
 
 def advance_columns(
-    comm: MPI.Comm, scene: Scene, state: xr.Dataset, forcing: xr.Dataset, window: tuple[float, float]
+    comm: MPI.Comm,
+    scene: Scene,
+    state: xr.Dataset,
+    forcing: xr.Dataset,
+    window: tuple[float, float],
 ) -> tuple[xr.Dataset, Budget]:
     """Advance the columns of all mobile elements over a window.
 

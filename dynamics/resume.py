@@ -74,7 +74,10 @@ def finished(folder: Path, expected: str) -> xr.Dataset | None:
 
 
 def resume(
-    state: xr.Dataset, windows: list[str], forcing: list[str], scene_folder: Path,
+    state: xr.Dataset,
+    windows: list[str],
+    forcing: list[str],
+    scene_folder: Path,
     fixed: dict[str, str],
 ) -> tuple[xr.Dataset, list[str], list[str]]:
     """Skip the windows of a job that are finished already.

@@ -131,4 +131,3 @@ def _check_inputs(scene: Scene) -> None:
 def _will_write(workflow: Any) -> bool:
     looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
     return not (workflow.output_settings.dryrun or looking)
-

@@ -44,7 +44,7 @@ liggghts_root() {
 # The folder of LIGGGHTS' headers and that of its library, for one built from source or, with an
 # empty argument, for the distribution's. Nothing where there is none.
 liggghts_headers() {
-    if [[ -z $1 ]]; then ls -d "$include/liggghts"; else find_folder "$1" lammps.h; fi
+    if [[ -z $1 ]]; then ls -d "$include/liggghts"; else find_folder "$1" granular_pair_style.h; fi
 }
 liggghts_library() {
     if [[ -z $1 ]]; then

@@ -78,7 +78,7 @@ check_liggghts_root() {
     local folder
     folder=$(liggghts_root)
     [[ -z $folder || (-n $(liggghts_headers "$folder") && -n $(liggghts_library "$folder")) ]] ||
-        fail "LIGGGHTS_ROOT=$folder holds no lammps.h with a libliggghts.so: build LIGGGHTS 3.8.0" \
+        fail "LIGGGHTS_ROOT=$folder holds no headers with a libliggghts.so: build LIGGGHTS 3.8.0" \
             "there as a shared library, or leave LIGGGHTS_ROOT out and run 'make clean'."
 }
 
@@ -147,8 +147,12 @@ install_project() {
 # ---- the plugin ------------------------------------------------------------------------------
 
 build_plugin() {
-    local source cached home
+    local source cached home own=()
     source=$(liggghts_root)
+    if [[ -n $source ]]; then
+        own=("-DLIGGGHTS_ROOT=$source" "-DLIGGGHTS_INCLUDE=$(liggghts_headers "$source")"
+            "-DLIGGGHTS_LIBRARY=$(liggghts_library "$source")/libliggghts.so")
+    fi
     if [[ -f $plugin/CMakeCache.txt ]]; then
         cached=$(sed -n 's/^LIGGGHTS_ROOT:[A-Z]*=//p' "$plugin/CMakeCache.txt")
         home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$plugin/CMakeCache.txt")
@@ -158,7 +162,7 @@ build_plugin() {
     if [[ ! -f $plugin/CMakeCache.txt ]]; then
         say "configures the plugin in $plugin"
         cmake -S liggghts_models -B "$plugin" -DCMAKE_BUILD_TYPE=Release \
-            ${source:+-DLIGGGHTS_ROOT="$source"} >build/plugin.log 2>&1 || {
+            "${own[@]}" >build/plugin.log 2>&1 || {
             rm -rf "$plugin" # a cache half written would be taken for a good one
             plugin_failed
         }

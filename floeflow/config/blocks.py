@@ -157,9 +157,7 @@ class Time(Block):
 class Dynamics(Block):
     """The discrete element model."""
 
-    step_share: float = key(
-        0.2, "Time step as a share of the critical one.", "1", gt=0, le=1
-    )
+    step_share: float = key(0.2, "Time step as a share of the critical one.", "1", gt=0, le=1)
     young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", gt=0)
     poisson_ratio: float = key(0.3, "Poisson's ratio of the ice.", "1", ge=0, lt=0.5)
     contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", gt=0)
@@ -181,8 +179,11 @@ class Dynamics(Block):
     air_drag: float = key(1.2e-3, "Drag coefficient of the air.", "1", ge=0, le=0.1)
     ocean_drag: float = key(5.5e-3, "Drag coefficient of the ocean.", "1", ge=0, le=0.1)
     turning_angle: float = key(
-        0.0, "Turning angle of the ocean drag (left of the current's in the north).", "degree",
-        ge=-90, le=90,
+        0.0,
+        "Turning angle of the ocean drag (left of the current's in the north).",
+        "degree",
+        ge=-90,
+        le=90,
     )
     relative_wind: bool = key(False, "Wind stress from the wind relative to the ice.")
     minimum_thickness: float = key(
@@ -199,8 +200,9 @@ class Column(Block):
     new_ice_thickness: float = key(
         0.1, "Thickness at which new ice gathers in open water.", "m", gt=0, le=1
     )
-    ocean_salinity: float = key(34.0, "Salinity of the ocean (sets its freezing point).", "1e-3",
-                                ge=0, le=45)
+    ocean_salinity: float = key(
+        34.0, "Salinity of the ocean (sets its freezing point).", "1e-3", ge=0, le=45
+    )
 
 
 class Report(Block):

@@ -140,7 +140,9 @@ def default_yaml() -> str:
                 blocks = parents[: depth + 1]
         blocks = parents
         pad = "  " * len(parents)
-        notes = " ".join(part for part in (f"[{key.unit}]" if key.unit else "", key.allowed) if part)
+        notes = " ".join(
+            part for part in (f"[{key.unit}]" if key.unit else "", key.allowed) if part
+        )
         lines.append(f"{pad}# {key.text}" + (f" {notes}" if notes else ""))
         name = key.path.rpartition(".")[2]
         value = "my_scene" if key.default is None else _yaml_value(key.default)

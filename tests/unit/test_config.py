@@ -40,13 +40,17 @@ def test_the_name_comes_from_the_file_where_none_is_given(tmp_path: Path):
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("dynamics: {yong_modulus: 1}", "'dynamics.yong_modulus' is no key of a scene; did you mean"
-         " 'young_modulus'?"),
+        (
+            "dynamics: {yong_modulus: 1}",
+            "'dynamics.yong_modulus' is no key of a scene; did you mean 'young_modulus'?",
+        ),
         ("pakcing: {}", "'pakcing' is no key of a scene; did you mean 'packing'?"),
         ("seed: 1\nseed: 2", "key 'seed' is given twice (line 2)"),
         ("time: {windows: 1, windows: 2}", "key 'windows' is given twice (line 1)"),
-        ("dynamics: {young_modulus: -1}", "dynamics.young_modulus: input should be greater than 0"
-         " (got -1)"),
+        (
+            "dynamics: {young_modulus: -1}",
+            "dynamics.young_modulus: input should be greater than 0 (got -1)",
+        ),
         ("dynamics: {young_modulus: .nan}", "dynamics.young_modulus: input should be a finite"),
         ("dynamics: {young_modulus: .inf}", "dynamics.young_modulus: input should be a finite"),
         ("dynamics: 3", "dynamics: input should be a valid dictionary"),

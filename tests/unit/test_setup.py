@@ -179,18 +179,21 @@ def test_no_liggghts_in_the_distribution(machine: Machine) -> None:
 
 
 def test_wrong_liggghts_root(machine: Machine, tmp_path: Path) -> None:
-    machine.refuses("LIGGGHTS_ROOT=/nowhere", "lammps.h", LIGGGHTS_ROOT="/nowhere")
+    machine.refuses("LIGGGHTS_ROOT=/nowhere", "libliggghts.so", LIGGGHTS_ROOT="/nowhere")
 
 
 def test_own_liggghts_needs_no_package(machine: Machine, tmp_path: Path) -> None:
     own = tmp_path / "own liggghts"
-    for name in ("src/lammps.h", "src/libliggghts.so"):
+    for name in ("src/granular_pair_style.h", "build/libliggghts.so"):
         (own / name).parent.mkdir(parents=True, exist_ok=True)
         (own / name).touch()
     machine.without("liggghts").known(unknown="*liggghts*")
     run = machine.install(LIGGGHTS_ROOT=str(own))
     assert run.returncode == 0, run.stderr
-    assert any(f"-DLIGGGHTS_ROOT={own}" in call for call in machine.calls())
+    assert any(
+        f"-DLIGGGHTS_ROOT={own}" in call and f"-DLIGGGHTS_INCLUDE={own}/src" in call
+        for call in machine.calls()
+    )
     assert not any(call.startswith("apt-get") for call in machine.calls())
 
 

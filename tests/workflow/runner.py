@@ -76,6 +76,20 @@ class Place:
         return self.folder / "results" / name
 
 
+@dataclass
+class Done:
+    """A finished run."""
+
+    place: Place
+    scene: Path
+    output: str
+
+    @property
+    def results(self) -> Path:
+        """Its results."""
+        return self.place.results()
+
+
 def make_place(folder: Path, like: Place | None = None) -> Place:
     """Make a working folder, empty or a copy of another with all its results."""
     if like is None:

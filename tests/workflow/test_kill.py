@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""``kill -9`` in the middle of a window, then the same command: the bits of an undisturbed run."""
+
+from __future__ import annotations
+
+import fcntl
+import shutil
+from pathlib import Path
+
+import pytest
+from runner import Done, Place, drain, kill_all, kill_alone, read_until
+
+from floeflow.state import read_state
+
+pytestmark = pytest.mark.workflow
+
+TARGET = "results/smoke/state/0003.nc"
+
+
+def wait_for_jobs(place: Place) -> None:
+    """Wait until no job or rank of the scene is left: until the jobs' lock can be had."""
+    with open(place.results() / ".jobs.lock") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+
+
+def start_over(copy) -> tuple[Place, Path]:
+    """A finished run whose windows are undone."""
+    place = copy()
+    for folder in ("state", "series", "cost", ".windows"):
+        for path in (place.results() / folder).glob("*"):
+            if path.name != "0000.nc":
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+    return place, place.scene()
+
+
+def checksums(results: Path) -> list[str]:
+    return [read_state(results / f"state/{w:04d}.nc").attrs["checksum"] for w in (1, 2, 3)]
+
+
+@pytest.mark.parametrize("per_job", [1, 3])
+def test_a_killed_run_continues_to_the_same_bits(smoke: Done, copy, per_job: int):
+    place, _ = start_over(copy)
+    scene = place.scene(workflow={"windows_per_job": per_job})
+    run = place.start(scene, TARGET)
+    read_until(run, "window 0002: step")
+    kill_all(run)
+    wait_for_jobs(place)
+    assert (place.results() / ".windows/0001/state.nc").is_file()
+    assert not (place.results() / "state/0002.nc").exists()
+    done = place.run(scene, TARGET)
+    assert done.returncode == 0, done.stdout
+    assert "window 0001: step" not in done.stdout
+    assert checksums(place.results()) == checksums(smoke.results)
+
+
+def test_a_job_that_outlives_its_run_is_waited_for(smoke: Done, copy):
+    place, scene = start_over(copy)
+    run = place.start(scene, TARGET)
+    read_until(run, "window 0002: step")
+    kill_alone(run)
+    refused = place.run(scene, TARGET)
+    assert refused.returncode == 1
+    assert "a job of an earlier run still writes this scene (process" in refused.stdout
+    drain(run)
+    wait_for_jobs(place)
+    done = place.run(scene, TARGET)
+    assert done.returncode == 0, done.stdout
+    # What the job finished after its workflow's death is taken, not done again.
+    assert "window 0002: step" not in done.stdout
+    assert checksums(place.results()) == checksums(smoke.results)
+
+
+def test_a_second_run_is_told_who_holds_the_scene(smoke: Done, copy):
+    place, scene = start_over(copy)
+    run = place.start(scene, TARGET)
+    read_until(run, "window 0001: step")
+    second = place.run(scene, TARGET)
+    assert second.returncode == 1
+    assert f"another run holds this scene (process {run.pid})" in second.stdout
+    assert "Traceback" not in second.stdout
+    # Looking is allowed meanwhile.
+    assert place.run(scene, "-n", TARGET).returncode == 0
+    rest = drain(run)
+    assert run.returncode == 0, rest
+    assert checksums(place.results()) == checksums(smoke.results)

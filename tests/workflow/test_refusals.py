@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Hostile and broken scenes and files: a sentence, exit code 1, nothing lost, nothing executed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from runner import Place
+
+pytestmark = pytest.mark.workflow
+
+
+def listing(folder: Path) -> dict[str, int]:
+    return {
+        str(path.relative_to(folder)): path.stat().st_size
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and ".snakemake" not in path.parts and "__pycache__" not in path.parts
+    }
+
+
+def refusal(place: Place, scene: Path) -> str:
+    """Output of a run that must be refused before any job and must change no file."""
+    before = listing(place.folder)
+    done = place.run(scene)
+    assert done.returncode == 1, done.stdout
+    assert "Traceback" not in done.stdout
+    said = [line for line in done.stdout.splitlines() if line.startswith("floeflow: ")]
+    assert len(said) == 1, done.stdout
+    assert listing(place.folder) == before
+    return said[0].removeprefix("floeflow: ")
+
+
+def test_a_scene_is_no_configfile_and_executes_nothing(place: Place):
+    # As a Snakemake configfile this would run: those are templates with Python in them.
+    scene = place.folder / "evil.yaml"
+    scene.write_text(
+        "__use_yte__: true\n"
+        "?if __import__('os').system('touch witness'): x\n"
+        "title: !!python/object/apply:os.system ['touch witness']\n"
+    )
+    assert "evil.yaml: line 3: could not determine a constructor" in refusal(place, scene)
+    scene.write_text("__use_yte__: true\nx: ?__import__('os').system('touch witness')\n")
+    assert "evil.yaml" in refusal(place, scene)
+    scene.write_text('__use_yte__: true\n\'?__import__("os").system("touch witness")\': 1\n')
+    assert "is no key of a scene" in refusal(place, scene)
+    assert not list(place.folder.rglob("witness"))
+
+
+def test_a_scene_s_faults_stop_the_run_before_any_job(place: Place):
+    wrong = place.scene(dynamics={"yong_modulus": 1.0})
+    assert "did you mean 'young_modulus'?" in refusal(place, wrong)
+    missing = place.folder / "none.yaml"
+    assert "none.yaml: the scene cannot be read" in refusal(place, missing)
+    path = place.folder / "up.yaml"
+    path.write_text("name: ../../up\n")
+    assert "is no plain name" in refusal(place, path)
+
+
+def test_missing_and_broken_inputs_are_named_before_any_job(place: Place):
+    said = refusal(place, place.scene(mask={"file": "data/none.nc"}))
+    assert "data/none.nc" in said
+    (place.folder / "broken.nc").write_bytes(b"CDF\x01 is not all of it")
+    said = refusal(place, place.scene(mask={"file": "broken.nc"}))
+    assert "broken.nc" in said
+    said = refusal(place, place.scene(mask={"concentration": "icee"}))
+    assert "icee" in said and "'ice'" in said
+    said = refusal(place, place.scene(forcing={"source": "file", "file": "wind.nc"}))
+    assert "wind.nc" in said
+
+
+def test_an_unknown_configuration_value_is_refused(place: Place):
+    done = place.run(place.scene(), "--config", "scen=x")
+    assert done.returncode == 1
+    assert "floeflow: --config scen=...: only scene=PATH is known" in done.stdout
+
+
+@pytest.mark.parametrize("damage", ["cut", "flip"])
+def test_a_damaged_state_stops_the_window_and_is_kept(copy: Callable[[], Place], damage: str):
+    place = copy()
+    state = place.results() / "state/0002.nc"
+    raw = bytearray(state.read_bytes())
+    if damage == "cut":
+        raw = raw[: len(raw) // 2]
+    else:
+        raw[len(raw) // 2] ^= 1
+    # A new file: the published one shares its bytes with the work folder's.
+    state.unlink()
+    state.write_bytes(raw)
+    (place.results() / "state/0003.nc").unlink()
+    done = place.run(place.scene(), "results/smoke/state/0003.nc")
+    assert done.returncode == 1
+    assert "floeflow: results/smoke/state/0002.nc: " in done.stdout
+    assert "Traceback" not in done.stdout
+    assert state.read_bytes() == bytes(raw)
