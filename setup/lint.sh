@@ -25,7 +25,7 @@ check_types() {
 
 check_cpp() {
     find liggghts_models setup -name '*.cpp' -o -name '*.h' -o -name '*.hpp' | sort |
-        xargs "$bin/clang-format" --style=file:liggghts_models/.clang-format --dry-run --Werror
+        xargs "$bin/clang-format" --dry-run --Werror
 }
 
 check_workflow() { "$bin/python" setup/lint_workflow.py "$bin/snakemake"; }

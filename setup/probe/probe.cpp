@@ -13,16 +13,16 @@
 using namespace LAMMPS_NS;
 
 extern "C" void probe_command(void *handle, const char *command) {
-    static_cast<LAMMPS *>(handle)->input->one(command);
+  static_cast<LAMMPS *>(handle)->input->one(command);
 }
 
 // Number of elements on all ranks; -1 where LIGGGHTS' idea of the ranks is not MPI's.
 extern "C" int probe_elements(void *handle) {
-    LAMMPS *liggghts = static_cast<LAMMPS *>(handle);
-    int ranks = 0;
-    MPI_Comm_size(liggghts->world, &ranks);
-    if (ranks != liggghts->comm->nprocs) return -1;
-    int all = 0;
-    MPI_Allreduce(&liggghts->atom->nlocal, &all, 1, MPI_INT, MPI_SUM, liggghts->world);
-    return all;
+  LAMMPS *liggghts = static_cast<LAMMPS *>(handle);
+  int ranks = 0;
+  MPI_Comm_size(liggghts->world, &ranks);
+  if (ranks != liggghts->comm->nprocs) return -1;
+  int all = 0;
+  MPI_Allreduce(&liggghts->atom->nlocal, &all, 1, MPI_INT, MPI_SUM, liggghts->world);
+  return all;
 }
