@@ -58,7 +58,7 @@ def bond_map(
     """
     whole, cracked, broken = sort_bonds(first, last)
     with look():
-        figure = new_figure(*frame.size(WIDTH))
+        figure = new_figure(*frame.size(1.4 * WIDTH))
         axes = figure.add_subplot()
         prepare_axes(axes, frame, title)
         for collection, index in shape_collections(axes, last, shapes):
@@ -73,10 +73,9 @@ def bond_map(
                 list(glue_lines(bonds, last)), colors=colour, linewidths=width, zorder=4
             )
             axes.add_collection(lines, autolim=False)
-            axes.plot([], [], color=colour, linewidth=width, label=f"{name}: {bonds.sizes['bond']}")
-        axes.legend(
-            loc="upper right", fontsize=8, title="Bonds", frameon=True, framealpha=0.9
-        ).set_zorder(10)
+            label = f"{name}: {bonds.sizes['bond']:,}"
+            axes.plot([], [], color=colour, linewidth=width, label=label)
+        figure.legend(loc="outside lower center", ncols=3, fontsize=8.5)
         if not (last["type"].values == MOBILE).any():
             say_no_ice(axes)
     return figure

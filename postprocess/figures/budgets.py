@@ -68,14 +68,15 @@ def budget_figure(budget: Mapping[str, Any]) -> Figure:
         axes.set_axisbelow(True)
         axes.spines[["top", "right", "left"]].set_visible(False)
         axes.tick_params(axis="y", length=0)
-        ratio = budget["relative"]
-        text = "no scale" if ratio is None else f"{float(ratio):.1e}"
-        axes.set_title(
-            f"residual {float(budget['residual']) / scale:.1e} {unit}; worst window {text}",
-            fontsize=8.5,
-            fontweight="normal",
-        )
+        axes.set_title(_residual_text(budget), fontsize=8.5, fontweight="normal")
     return figure
+
+
+def _residual_text(budget: Mapping[str, Any]) -> str:
+    ratio, left = budget["relative"], float(budget["residual"])
+    unit = str(budget["unit"]).replace("m3", "m³").replace("m2", "m²")
+    share = "without scale" if ratio is None else f"{float(ratio):.1e} relative in the worst window"
+    return f"Residual {left:.1e} {unit}, {share}: {budget['verdict']}"
 
 
 def _write_values(axes: Any, shown: np.ndarray, places: np.ndarray) -> None:
