@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The dynamics of one window: from the state through LIGGGHTS to the moved state."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from mpi4py import MPI
+
+from floeflow.config import Scene
+from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.dynamics.elements import Arrays, element_arrays, moved_state, pair_arrays
+from floeflow.dynamics.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.timestep import critical_step
+from floeflow.effects import plugin_switches
+from floeflow.state.schema import MOBILE
+
+Report = Callable[..., None]
+
+# Stands in for the step while the step itself is sought.
+_ANY_STEP = 1.0
+_IMPULSES = ("wind", "ocean", "coriolis", "tilt")
+_LOSSES = ("bond", "contact", "friction", "fracture")
+
+
+@dataclass
+class Motion:
+    """What the dynamics of a window leave."""
+
+    state: xr.Dataset
+    steps: int = 0
+    time_step: float = 0.0
+    limited_by: str = ""
+    setup_seconds: float = 0.0
+    seconds: float = 0.0
+    samples: dict[str, list[float]] = field(default_factory=dict)
+    budget: dict[str, float] = field(default_factory=dict)
+
+
+def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
+    """Parameters of the engine for a scene: SI units, angles in radians."""
+    d = scene.dynamics
+    switches = dict.fromkeys(plugin_switches(scene.effects), True)
+    return EngineParams(
+        time_step=time_step,
+        **{"friction": False, **switches},
+        young_modulus=d.young_modulus,
+        poisson_ratio=d.poisson_ratio,
+        bond_damping=d.bond_damping,
+        strength=d.strength,
+        compressive_strength=d.compressive_strength,
+        tensile_share=d.tensile_share,
+        friction_angle=math.radians(d.friction_angle),
+        contact_modulus=d.contact_modulus,
+        contact_damping=d.contact_damping,
+        friction_coefficient=d.friction_coefficient,
+        wind_stress_factor=AIR_DENSITY * d.air_drag,
+        ocean_stress_factor=SEAWATER_DENSITY * d.ocean_drag,
+        turning_angle=math.radians(d.turning_angle),
+        relative_wind=d.relative_wind,
+    )
+
+
+def choose_step(scene: Scene, elements: Arrays, bonds: Arrays | None) -> tuple[float, int, str]:
+    """Time step, number of steps between two samples, and what limits the step.
+
+    The step is the scene's share of the critical one, shortened so that a whole number of equal
+    steps lies between two samples of the series.
+    """
+    critical, limited_by = critical_step(elements, bonds, engine_params(scene))
+    between = scene.time.window / scene.dynamics.samples
+    steps = max(1, math.ceil(between / (scene.dynamics.step_share * critical)))
+    return between / steps, steps, limited_by
+
+
+def engine_forcing(forcing: xr.Dataset, needed: tuple[str, ...]) -> Forcing:
+    """Fields that the engine's switches need, from a window's forcing."""
+    axes = (forcing[axis].values for axis in ("time", "x", "y"))
+    return Forcing(*axes, {name: forcing[name].values for name in needed})
+
+
+def move(
+    comm: MPI.Comm, scene: Scene, state: xr.Dataset, forcing: xr.Dataset, log: Path, report: Report
+) -> Motion:
+    """Move a state's elements for one window.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Collective; every rank has the whole state and gets the whole result.
+    scene : Scene
+        The scene.
+    state, forcing : xarray.Dataset
+        State at the window's start, and the window's forcing.
+    log : Path
+        LIGGGHTS' log.
+    report : callable
+        Gets step, steps and elements at each sample.
+
+    Returns
+    -------
+    Motion
+        Moved state, samples, impulses and what the motion cost.
+
+    Raises
+    ------
+    FloeError
+        Where LIGGGHTS, an element or the forcing fails; names the place.
+    """
+    began = time.perf_counter()
+    elements = element_arrays(state, scene.dynamics.minimum_thickness)
+    if not (elements["type"] == MOBILE).any():
+        return _still(scene, state)
+    bonds = pair_arrays(state, "bond") if "bonds" in scene.effects else None
+    step, between, limited_by = choose_step(scene, elements, bonds)
+    params = engine_params(scene, step)
+    motion = Motion(state, between * scene.dynamics.samples, step, limited_by)
+    log.parent.mkdir(parents=True, exist_ok=True)
+    with Engine(comm, params, log) as engine:
+        engine.load(elements, bonds, pair_arrays(state, "contact"), float(state.attrs["time"]))
+        if params.external:
+            engine.set_forcing(engine_forcing(forcing, params.external))
+        first = engine.diagnostics()
+        _sample(motion, scene, engine.elements(), first, 0.0)
+        motion.setup_seconds = time.perf_counter() - began
+        began = time.perf_counter()
+        for k in range(1, scene.dynamics.samples + 1):
+            engine.run(between)
+            sums = engine.diagnostics()
+            _sample(motion, scene, engine.elements(), sums, k * between * step)
+            seconds = time.perf_counter() - began
+            n = len(elements["id"])
+            report(step=k * between, steps=motion.steps, elements=n, dynamics_seconds=seconds)
+        motion.seconds = time.perf_counter() - began
+        motion.budget = _budget(scene, first, sums)
+        left = engine.bonds() if bonds is not None else None
+        motion.state = moved_state(state, engine.elements(), left, engine.contacts())
+    return motion
+
+
+def _sample(
+    motion: Motion, scene: Scene, elements: Arrays, sums: dict[str, float], at: float
+) -> None:
+    mobile = elements["type"] == MOBILE
+    speed = np.hypot(elements["u"], elements["v"])[mobile]
+    weight = elements["ice_area"][mobile]
+    drift = float(weight @ speed / weight.sum()) if weight.sum() > 0 else float(speed.mean())
+    values = {
+        "time": at,
+        "kinetic_energy": sums["kinetic"] + sums["rotational"],
+        "elastic_energy": sums["elastic_bond"] + sums["elastic_contact"],
+        "drift_speed": drift,
+        "largest_speed": float(speed.max()),
+    }
+    if "bonds" in scene.effects:
+        values["intact_bonds"] = sums["bonds"]
+    for name, value in values.items():
+        motion.samples.setdefault(name, []).append(value)
+
+
+def _budget(scene: Scene, first: dict[str, float], last: dict[str, float]) -> dict[str, float]:
+    """Momentum, impulses, works and dissipations of a window, by the series' names."""
+    on = engine_params(scene)
+    switched = dict(zip(_IMPULSES, (on.wind, on.ocean_drag, on.coriolis, on.tilt), strict=True))
+    kept = [name for name, is_on in switched.items() if is_on]
+    budget = {}
+    for axis in "xy":
+        budget[f"momentum_{axis}_start"] = first[f"momentum_{axis}"]
+        budget[f"momentum_{axis}_end"] = last[f"momentum_{axis}"]
+        budget[f"impulse_coast_{axis}"] = -last[f"impulse_fixed_{axis}"]
+        for name in kept:
+            budget[f"impulse_{name}_{axis}"] = last[f"impulse_{name}_{axis}"]
+    for name in kept:
+        budget[f"work_{name}"] = last[f"work_{name}"]
+    lossy = {"bond": on.bonds, "fracture": on.bonds, "friction": on.friction, "contact": True}
+    for name in _LOSSES:
+        if lossy[name]:
+            budget[f"dissipation_{name}"] = last[f"dissipation_{name}"]
+    return budget
+
+
+def _still(scene: Scene, state: xr.Dataset) -> Motion:
+    """Motion of a scene without mobile elements: none."""
+    names = ["kinetic_energy", "elastic_energy", "drift_speed", "largest_speed"]
+    if "bonds" in scene.effects:
+        names.append("intact_bonds")
+    moments = np.linspace(0.0, scene.time.window, scene.dynamics.samples + 1)
+    samples = {"time": moments.tolist()} | {name: [0.0] * len(moments) for name in names}
+    nothing = dict.fromkeys(
+        ("momentum_x", "momentum_y", *(f"impulse_{n}_{a}" for n in _IMPULSES for a in "xy")), 0.0
+    )
+    nothing |= {f"impulse_fixed_{axis}": 0.0 for axis in "xy"}
+    nothing |= {f"work_{name}": 0.0 for name in _IMPULSES}
+    nothing |= {f"dissipation_{name}": 0.0 for name in _LOSSES}
+    return Motion(state, samples=samples, budget=_budget(scene, nothing, nothing))
