@@ -5,8 +5,6 @@ Importing that package takes two seconds and 940 MB, so this one rule does it, c
 of it, and nobody else imports it.
 """
 
-from __future__ import annotations
-
 import logging
 
 import numpy as np
@@ -15,7 +13,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow import stage
-from floeflow.config import load_scene
 from floeflow.config.blocks import Scene
 from floeflow.preprocess.grids import Grid, mask_grid, scene_crs, to_lonlat
 from floeflow.state import write_dataset
@@ -65,10 +62,9 @@ def land_share(grid: Grid, crs: pyproj.CRS) -> Array:
 
 
 def make_land(scene: Scene) -> xr.Dataset:
-    """Land of a scene: zeros where ``mask.land`` is ``none``."""
+    """Share of land, land_fraction(y, x), on the mask grid of a scene."""
     grid = mask_grid(scene.domain, scene.mask.refine)
-    crs = scene_crs(scene.domain)
-    share = np.zeros(grid.shape) if scene.mask.land == "none" else land_share(grid, crs)
+    share = land_share(grid, scene_crs(scene.domain))
     log.info("land covers %.1f %% of the scene", 100.0 * share.mean())
     return xr.Dataset(
         {"land_fraction": (("y", "x"), share, {"units": "1", "long_name": "share of land"})},
@@ -79,7 +75,7 @@ def make_land(scene: Scene) -> xr.Dataset:
 
 def main(snakemake: stage.Snakemake) -> None:
     """Rule ``land``."""
-    scene = load_scene(snakemake.params.scene)
+    scene = stage.scene(snakemake)
     write_dataset(make_land(scene), snakemake.output.land)
 
 

@@ -5,8 +5,6 @@ The user's file may be on longitude and latitude or projected, its concentration
 cent, its days many. What is missing in it is never used as a number: see docs/masks.md.
 """
 
-from __future__ import annotations
-
 import logging
 from pathlib import Path
 
@@ -15,7 +13,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow import stage
-from floeflow.config import load_scene
 from floeflow.config.blocks import Scene
 from floeflow.errors import FloeError
 from floeflow.preprocess import cf, fields
@@ -152,7 +149,7 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     scene : Scene
         Its domain and mask are read.
     land_fraction : ndarray or None
-        Share of land (ny, nx); None where land comes from the mask's missing values.
+        Share of land (ny, nx) where ``mask.land`` is ``global_land_mask``; otherwise None.
 
     Returns
     -------
@@ -174,7 +171,9 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     )
     if reader.water is not None:
         raw = np.where(np.isnan(raw) & np.isfinite(reader.water), 0.0, raw)
-    if land_fraction is None:
+    if scene.mask.land == "none":
+        land = np.zeros(grid.shape, dtype=bool)
+    elif land_fraction is None:
         missing = reader.weights.apply(reader.source.padded(np.isnan(raw).astype(float)))
         land = (missing.reshape(grid.shape) >= scene.mask.land_fraction) & (
             reader.weights.inside.reshape(grid.shape)
@@ -229,9 +228,9 @@ def _dataset(
 
 def main(snakemake: stage.Snakemake) -> None:
     """Rule ``mask``."""
-    scene = load_scene(snakemake.params.scene)
+    scene = stage.scene(snakemake)
     land = None
-    if scene.mask.land != "mask":
+    if scene.mask.land == "global_land_mask":
         land = read_dataset(snakemake.input.land)["land_fraction"].values
     write_dataset(make_mask(scene, land), snakemake.output.mask)
 

@@ -6,8 +6,6 @@ do not overlap; effective areas from their power diagram clipped to the ice, so 
 and ice volume are those of the mask. See docs/theory/packing.md.
 """
 
-from __future__ import annotations
-
 import logging
 
 import numpy as np
@@ -17,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from floeflow import stage
-from floeflow.config import load_scene
 from floeflow.config.blocks import Packing
 from floeflow.preprocess import discs, points, tessellation
 from floeflow.preprocess.grids import Grid
@@ -223,7 +220,7 @@ def _dataset(mask: xr.Dataset, elements: dict[str, object], ocean: float) -> xr.
 
 def main(snakemake: stage.Snakemake) -> None:
     """Rule ``packing``."""
-    scene = load_scene(snakemake.params.scene)
+    scene = stage.scene(snakemake)
     mask = read_dataset(snakemake.input.mask)
     write_dataset(make_packing(mask, scene.packing, scene.seed), snakemake.output.packing)
 

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bonds at the start: neighbours in the tessellation whose discs touch or nearly so.
+
+The glue line of a bond is the edge that the two cells share, clipped to the ice. Coast elements
+bond with nothing.
+"""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+import xarray as xr
+
+from floeflow import stage
+from floeflow.dynamics.bondtable import new_bonds
+from floeflow.state import read_dataset, write_dataset
+from floeflow.state.schema import VARIABLES
+
+log = logging.getLogger(__name__)
+
+
+def bonded_edges(packing: xr.Dataset, bond_gap: float) -> np.ndarray:
+    """Which edges of the tessellation become bonds.
+
+    Parameters
+    ----------
+    packing : xarray.Dataset
+        Output of the packing stage.
+    bond_gap : float
+        Widest gap between the discs, as a share of the sum of their radii.
+
+    Returns
+    -------
+    ndarray of bool
+        (edge,): both elements hold ice, and the gap d - r_i - r_j is under
+        ``bond_gap`` (r_i + r_j) or no more than round-off.
+    """
+    lo, hi = packing["edge_lo"].values - 1, packing["edge_hi"].values - 1
+    x, y, radius = (packing[name].values for name in ("x", "y", "radius"))
+    volume = packing["ice_volume"].values.sum(axis=1)
+    reach = radius[lo] + radius[hi]
+    gap = np.hypot(x[hi] - x[lo], y[hi] - y[lo]) - reach
+    near = gap < np.maximum(bond_gap, 1e-9) * reach
+    return np.asarray(near & (volume[lo] > 0) & (volume[hi] > 0))
+
+
+def make_bonds(packing: xr.Dataset, bond_gap: float) -> xr.Dataset:
+    """Bond table of a packing.
+
+    Parameters
+    ----------
+    packing, bond_gap
+        As in `bonded_edges`.
+
+    Returns
+    -------
+    xarray.Dataset
+        The ``bond_`` variables of the state's schema. A bond is as thick as the thinner of its two
+        elements' ice (volume over ice area).
+    """
+    edges = np.flatnonzero(bonded_edges(packing, bond_gap))
+    fraction = packing["ice_fraction"].values.sum(axis=1)
+    volume = packing["ice_volume"].values.sum(axis=1)
+    thickness = np.divide(volume, fraction, out=np.zeros_like(volume), where=fraction > 0)
+    lo, hi = packing["edge_lo"].values[edges], packing["edge_hi"].values[edges]
+    elements = {name: packing[name].values for name in ("id", "x", "y")}
+    elements["theta"] = np.zeros(len(elements["id"]))
+    ends = (packing[f"edge_{end}"].values[edges] for end in ("ax", "ay", "bx", "by"))
+    table = new_bonds(elements, lo, hi, *ends, np.minimum(thickness[lo - 1], thickness[hi - 1]))
+    names = {name: f"bond_{name}" for name in table}
+    assert all(name in VARIABLES for name in names.values())
+    log.info("%d bonds on %d shared edges", len(edges), packing.sizes["edge"])
+    return xr.Dataset({names[name]: ("bond", values) for name, values in table.items()})
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``bonds``."""
+    scene = stage.scene(snakemake)
+    packing = read_dataset(snakemake.input.packing)
+    write_dataset(make_bonds(packing, scene.packing.bond_gap), snakemake.output.bonds)
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""State 0: the packing and its bonds, at rest."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from floeflow import stage
+from floeflow.column.params import ColumnParams
+from floeflow.config import stage_hash
+from floeflow.config.blocks import Scene
+from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
+from floeflow.state.schema import VARIABLES, expected_variables
+
+# Stages on which the state at the start depends.
+STAGES = ("land", "mask", "packing", "bonds", "initial")
+
+
+def provenance(scene: Scene) -> str:
+    """Hashes of the scene keys of each stage behind the state, as JSON."""
+    stages = [name for name in STAGES if name != "bonds" or "bonds" in scene.effects]
+    return json.dumps({name: stage_hash(scene, name) for name in stages}, sort_keys=True)
+
+
+def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> xr.Dataset:
+    """State at the start.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its effects say which variables there are.
+    packing : xarray.Dataset
+        Output of the packing stage.
+    bonds : xarray.Dataset or None
+        Output of the bonds stage, with the effect bonds.
+
+    Returns
+    -------
+    xarray.Dataset
+        As in ``floeflow.state.schema``: no velocities, no contacts. With thermodynamics, snow of
+        the scene's thickness on the ice and the ice's surface at the ocean's freezing point.
+    """
+    fraction = packing["ice_fraction"].values
+    freezing = ColumnParams(ocean_salinity=scene.column.ocean_salinity).freezing_temperature
+    made = {
+        "snow_volume": scene.mask.snow_thickness * fraction,
+        "surface_temperature": np.full_like(fraction, freezing),
+    }
+    sizes = {"element": packing.sizes["element"], "category": packing.sizes["category"]}
+    sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}
+    data = {}
+    for name in expected_variables(scene.effects):
+        rule = VARIABLES[name]
+        if name in packing:
+            values = packing[name].values
+        elif bonds is not None and name in bonds:
+            values = bonds[name].values
+        elif name in made:
+            values = made[name]
+        else:
+            values = np.zeros([sizes[dim] for dim in rule.dims], dtype=rule.dtype)
+        data[name] = (rule.dims, values)
+    attrs = {
+        "schema_version": SCHEMA_VERSION,
+        "scene": scene.name,
+        "effects": " ".join(scene.effects),
+        "window": 0,
+        "time": 0.0,
+        "start": scene.time.start.isoformat(),
+        "seed": scene.seed,
+        "crs": scene.domain.crs,
+        "ocean_area": float(packing.attrs["ocean_area"]),
+        "unclaimed_water": float(packing.attrs["unclaimed_water"]),
+        "provenance": provenance(scene),
+    }
+    return xr.Dataset(data, attrs=attrs)
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``initial``."""
+    scene = stage.scene(snakemake)
+    packing = read_dataset(snakemake.input.packing)
+    bonds = read_dataset(snakemake.input.bonds) if "bonds" in scene.effects else None
+    write_state(make_state(scene, packing, bonds), snakemake.output.state)
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])
