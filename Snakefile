@@ -29,4 +29,4 @@ rule all:
 
 
 onsuccess:
-    print(f"Report: {RUN.folder}/report.html")
+    print(RUN.closing_line())

@@ -5,8 +5,6 @@ Skips the windows that an interrupted job of the same origin has finished, start
 their progress, turns their faults into one sentence, and publishes what they made.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import re

@@ -48,6 +48,11 @@ class Run:
         """Names of the windows that end a group: the declared outputs."""
         return list(self.groups)
 
+    def closing_line(self) -> str:
+        """Say where the report lies, or that there is none yet."""
+        report = Path(self.folder) / "report.html"
+        return f"Report: {report.resolve()}" if report.is_file() else f"Results: {self.folder}/"
+
     def before(self, end: str) -> str:
         """Name of the window before the group that ends with `end`."""
         return window_name(int(self.groups[end][0]) - 1)

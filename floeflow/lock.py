@@ -3,7 +3,7 @@
 
 A workflow holds ``results/<scene>/.lock`` alone; its jobs share ``results/<scene>/.jobs.lock``.
 Snakemake closes all file descriptors of its children, so they cannot inherit its lock; a workflow
-therefore also asks whether any job of an earlier, killed workflow still holds the second lock. Locks
+therefore also asks whether a job of an earlier, killed workflow still holds the second lock. Locks
 are ``flock`` locks: the kernel drops them with the process, however it dies, so none is ever stale.
 """
 

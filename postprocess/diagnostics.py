@@ -6,8 +6,6 @@ Writes ``diagnostics.nc`` (everything, along ``sample``, ``window``, ``boundary`
 there: without bonds no bond series, without thermodynamics no growth and no column energy.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import tempfile
@@ -18,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from floeflow.config import load_scene
+from floeflow import stage
 from floeflow.errors import FloeError
 from floeflow.postprocess.budgets import (
     Budget,
@@ -34,7 +32,6 @@ from floeflow.postprocess.collect import (
     summarise_grids,
     summarise_states,
 )
-from floeflow.stage import Snakemake
 from floeflow.state import write_dataset
 
 UNITS = {
@@ -262,9 +259,9 @@ def diagnose(
     }
 
 
-def main(snakemake: Snakemake) -> None:
+def main(snakemake: stage.Snakemake) -> None:
     """Rule ``diagnostics``."""
-    scene = load_scene(snakemake.params.scene)
+    scene = stage.scene(snakemake)
     folder = Path(snakemake.input.states[0]).parent.parent
     windows = [int(window) for window in snakemake.params.windows]
     grids = [Path(path) for path in snakemake.input.grids]
@@ -274,6 +271,4 @@ def main(snakemake: Snakemake) -> None:
 
 
 if "snakemake" in globals():
-    from floeflow.stage import run
-
-    run(main, globals()["snakemake"])
+    stage.run(main, globals()["snakemake"])

@@ -5,8 +5,6 @@ Words come from ``wording``, pictures from ``gallery``, the page from ``template
 which escapes every text. The page needs no JavaScript and no network.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import tempfile
@@ -18,12 +16,12 @@ from typing import Any
 import jinja2
 import xarray as xr
 
-from floeflow.config import Scene, load_scene
+from floeflow import stage
+from floeflow.config import Scene
 from floeflow.errors import FloeError
-from floeflow.postprocess import gallery, wording
+from floeflow.postprocess import expense, gallery, wording
 from floeflow.postprocess.collect import read_grid
 from floeflow.postprocess.figures.frame import Frame
-from floeflow.stage import Snakemake
 from floeflow.state import read_dataset, read_state
 
 TEMPLATE = Path(__file__).with_name("templates") / "report.html.j2"
@@ -81,8 +79,8 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
     easel = gallery.Easel(figures, scene.report.dpi)
     frame = Frame(scene.domain, material.mask["land"])
     headline, budgets = material.numbers["headline"], material.numbers["budgets"]
-    stages = wording.stages(material.benchmarks, material.numbers)
-    total = wording.total_seconds(stages)
+    cost = expense.stages(material.benchmarks, material.numbers)
+    total = expense.total_seconds(cost)
     there, absent = wording.effect_lists(scene)
     first, last = material.first_state, material.last_state
     keys = wording.scene_keys(scene)
@@ -108,9 +106,9 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
             "series": list(gallery.series_pictures(easel, scene, material.diagnostics)),
             "budgets": budgets,
             "budget_bars": list(gallery.budget_pictures(easel, budgets)),
-            "stages": stages,
+            "stages": cost,
             "total": total,
-            "cost_bars": list(gallery.cost_pictures(easel, stages)),
+            "cost_bars": list(gallery.cost_pictures(easel, cost)),
             "provenance": wording.provenance(scene, last.attrs, headline),
             "states": material.numbers["states"],
         }
@@ -157,9 +155,9 @@ def write_text(text: str, path: Path) -> None:
     os.replace(temporary, path)
 
 
-def main(snakemake: Snakemake) -> None:
+def main(snakemake: stage.Snakemake) -> None:
     """Rule ``report``."""
-    scene = load_scene(snakemake.params.scene)
+    scene = stage.scene(snakemake)
     given = snakemake.input
     material = Material(
         diagnostics=read_dataset(given.diagnostics),
@@ -177,6 +175,4 @@ def main(snakemake: Snakemake) -> None:
 
 
 if "snakemake" in globals():
-    from floeflow.stage import run
-
-    run(main, globals()["snakemake"])
+    stage.run(main, globals()["snakemake"])

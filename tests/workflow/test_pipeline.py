@@ -30,7 +30,7 @@ def planned(place: Place, scene, *more: str) -> dict[str, int]:
 
 
 def test_the_run_leaves_a_report_and_says_where(smoke: Done):
-    assert "Report: results/smoke/report.html" in smoke.output
+    assert f"Report: {smoke.results.resolve()}/report.html" in smoke.output
     text = (smoke.results / "report.html").read_text()
     assert text.lstrip().startswith("<!doctype html>") or text.lstrip().startswith(
         "<!DOCTYPE html>"
