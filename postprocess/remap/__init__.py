@@ -5,7 +5,7 @@
 the two a quantity needs. docs/theory/remap.md has the equations.
 """
 
-from floeflow.postprocess.remap.bins import Bins, build_bins
+from floeflow.postprocess.remap.bins import Bins, Room, build_bins, build_room
 from floeflow.postprocess.remap.fields import Field, Remapper, remap
 from floeflow.postprocess.remap.grid import Grid
 from floeflow.postprocess.remap.weights import (
@@ -26,8 +26,10 @@ __all__ = [
     "Field",
     "Grid",
     "Remapper",
+    "Room",
     "Weights",
     "build_bins",
+    "build_room",
     "build_weights",
     "load_weights",
     "remap",

@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Gridded output: what the fields say of the ice, and what CF readers find."""
+
+import json
+import logging
+from types import SimpleNamespace
+
+import netCDF4
+import numpy as np
+import pyproj
+import pytest
+import xarray as xr
+
+from floeflow.config import load_scene
+from floeflow.errors import FloeError
+from floeflow.postprocess import grid as stage_module
+from floeflow.postprocess.cf import write_grid
+from floeflow.postprocess.grid import gridded_fields, hat_reach, make_grid, sea_room
+from floeflow.postprocess.remap import Grid
+from floeflow.state import write_dataset, write_state
+
+CELL, SIZE, REFINE = 1.0e5, 8, 4
+X0, Y0 = -4.0e5, 2.0e5
+SCENE = """
+name: pack
+effects: [{effects}]
+domain: {{crs: "EPSG:3413", x_min: -4.0e5, x_max: 4.0e5, y_min: 2.0e5, y_max: 1.0e6,
+         spacing: 1.0e5}}
+"""
+ALL = "wind, ocean_drag, coriolis, friction, thermodynamics"
+
+
+@pytest.fixture
+def scene(tmp_path):
+    return scene_of(tmp_path, ALL)
+
+
+def scene_of(folder, effects):
+    path = folder / "scene.yaml"
+    path.write_text(SCENE.format(effects=effects))
+    return load_scene(path)
+
+
+def make_mask(land_columns=0):
+    """Mask grid; the first columns of mask cells are land."""
+    n = SIZE * REFINE
+    land = np.zeros((n, n), np.int8)
+    land[:, :land_columns] = 1
+    area = np.full((n, n), (CELL / REFINE) ** 2 * 0.96)
+    axis = CELL / REFINE * (np.arange(n) + 0.5)
+    return xr.Dataset(
+        {"land": (("y", "x"), land), "cell_area": (("y", "x"), area)},
+        coords={"y": Y0 + axis, "x": X0 + axis},
+    )
+
+
+def make_state(right=4.0e5, left=X0, per_cell=2, snow=True, thickness=None):
+    """A lattice that fills the scene from left to right; a coast element in its middle."""
+    step = CELL / per_cell
+    x, y = (
+        axis.ravel()
+        for axis in np.meshgrid(
+            np.arange(left + step / 2, right, step), np.arange(Y0 + step / 2, Y0 + 8e5, step)
+        )
+    )
+    n = len(x) + 1
+    fraction = np.append(0.8 + 1e-7 * x, 0.0)
+    thick = np.append(2.0 + 1e-6 * x if thickness is None else thickness(x, y), 0.0)
+    x, y = np.append(x, 0.0), np.append(y, 6e5)
+    values = {
+        "theta": np.zeros(n),
+        "u": 0.1 + 1e-7 * y,
+        "v": -0.05 + 1e-7 * x,
+        "omega": np.zeros(n),
+        "radius": np.full(n, step / 2),
+        "area": np.append(np.full(n - 1, 0.96 * step**2), 0.0),
+    }
+    data = xr.Dataset(
+        {
+            "id": ("element", np.arange(1, n + 1)),
+            "type": ("element", np.append(np.ones(n - 1), 2).astype(np.int8)),
+            "x": ("element", x),
+            "y": ("element", y),
+            **{name: ("element", v) for name, v in values.items()},
+            "ice_fraction": (("element", "category"), fraction[:, None]),
+            "ice_volume": (("element", "category"), (fraction * thick)[:, None]),
+        }
+    )
+    if snow:
+        data["snow_volume"] = 0.1 * data["ice_fraction"]
+        data["surface_temperature"] = 250.0 + 0.0 * data["ice_fraction"]
+    for name in ("id_lo", "id_hi"):
+        data[f"contact_{name}"] = ("contact", np.zeros(0, dtype=np.int64))
+    for name in ("slip", "rest_overlap"):
+        data[f"contact_{name}"] = ("contact", np.zeros(0))
+    data.attrs = {
+        "schema_version": 1,
+        "scene": "pack",
+        "effects": " ".join((ALL if snow else "wind").split(", ")),
+        "window": 2,
+        "time": 172800.0,
+        "start": "1981-12-31T00:00:00",
+        "seed": 1,
+        "crs": "EPSG:3413",
+        "ocean_area": 6.4e11,
+        "unclaimed_water": 0.0,
+        "provenance": json.dumps({}),
+    }
+    return data
+
+
+GRID = Grid(X0 + CELL * (np.arange(SIZE) + 0.5), Y0 + CELL * (np.arange(SIZE) + 0.5))
+
+
+def gridded(state, land_columns=0):
+    """Fields of a state, and the area of sea in the cells."""
+    room = sea_room(make_mask(land_columns), GRID, hat_reach(state, GRID))
+    return gridded_fields(state, room), room.area
+
+
+NX, NY = np.meshgrid(GRID.x, GRID.y)
+
+
+def test_linear_ice_comes_out_as_it_is():
+    fields, _ = gridded(make_state())
+    np.testing.assert_allclose(fields["siconc"], 0.8 + 1e-7 * NX, rtol=1e-10)
+    np.testing.assert_allclose(fields["sithick"], 2.0 + 1e-6 * NX, rtol=1e-10)
+    np.testing.assert_allclose(fields["sivol"], fields["siconc"] * fields["sithick"], rtol=1e-12)
+    np.testing.assert_allclose(fields["siu"], 0.1 + 1e-7 * NY, rtol=1e-10)
+    np.testing.assert_allclose(fields["siv"], -0.05 + 1e-7 * NX, rtol=1e-10)
+    np.testing.assert_allclose(fields["sisnthick"], 0.1, rtol=1e-12)
+    assert (fields["remap_method"] == 2).all()
+
+
+def test_edge_is_partly_covered_and_beyond_it_there_is_no_ice():
+    state = make_state(right=0.5e5)
+    fields, sea = gridded(state)
+    np.testing.assert_allclose(fields["siconc"][:, :4], (0.8 + 1e-7 * NX)[:, :4], rtol=1e-10)
+    inside = fields["siconc"][:, 4]
+    assert ((inside > 0.3) & (inside < 0.5)).all()
+    assert (fields["siconc"][:, 6:] == 0).all() and (fields["sivol"][:, 6:] == 0).all()
+    assert np.isnan(fields["sithick"][:, 6:]).all() and np.isnan(fields["siu"][:, 6:]).all()
+    low, high = state["ice_fraction"].values[:-1].min(), state["ice_fraction"].values.max()
+    assert (fields["siconc"] <= high).all() and low > 0
+
+
+def test_no_ice_on_land_and_full_cells_at_the_coast():
+    """Land to the middle of the second cell; the sea beside it is full, so its cells are."""
+    state = make_state(left=X0 + 1.5e5)
+    fields, sea = gridded(state, land_columns=6)
+    np.testing.assert_allclose(sea[0, :3] / (0.96 * CELL**2), [0, 0.5, 1], rtol=1e-12)
+    assert np.isnan(fields["siconc"][:, 0]).all() and (fields["remap_method"][:, 0] == 0).all()
+    expected = (0.8 + 1e-7 * NX)[:, 1:]
+    assert np.abs(fields["siconc"][:, 1:] / expected - 1).max() < 0.02
+    total = (state["area"] * state["ice_fraction"][:, 0]).values.sum()
+    assert abs(fields["siarea_residual"]) < 0.03 * total
+
+
+def test_residuals_are_grid_minus_elements():
+    state = make_state(right=2.3e5, thickness=lambda x, y: 1 + np.sin(x / 1e5) ** 2)
+    state["ice_fraction"] *= 1 - 0.2 * np.sin(state["x"] / 1.5e5) ** 2
+    fields, sea = gridded(state)
+    area = state["area"].values
+    for field, name, residual in (
+        ("siconc", "ice_fraction", "siarea_residual"),
+        ("sivol", "ice_volume", "sivolume_residual"),
+    ):
+        elements = (area * state[name].values[:, 0]).sum()
+        grid = np.nansum(fields[field] * sea)
+        assert fields[residual] == pytest.approx(grid - elements, abs=1e-9 * elements)
+        assert 0 < abs(fields[residual]) < 0.03 * elements
+
+
+def test_thickness_stays_within_its_elements():
+    state = make_state(right=1.1e5, thickness=lambda x, y: np.where(x > 0, 0.01, 4.0))
+    fields, sea = gridded(state)
+    assert np.nanmin(fields["sithick"]) >= 0.01 * (1 - 1e-12)
+    assert np.nanmax(fields["sithick"]) <= 4.0 * (1 + 1e-12)
+
+
+def test_elements_without_ice_give_no_thickness_and_no_elements_no_ice():
+    bare = make_state()
+    for name in ("ice_fraction", "ice_volume", "snow_volume"):
+        bare[name] = 0.0 * bare[name]
+    for state in (bare, make_state(right=X0)):
+        fields, sea = gridded(state)
+        assert (fields["siconc"] == 0).all() and (fields["sivol"] == 0).all()
+        assert np.isnan(fields["sithick"]).all() and np.isnan(fields["siu"]).all()
+        assert fields["siarea_residual"] == 0
+
+
+def test_hats_are_about_two_elements_wide():
+    for per_cell, reach in ((0.25, 8), (0.5, 4), (1, 2), (2, 1), (10, 1)):
+        assert hat_reach(make_state(per_cell=per_cell), GRID) == reach
+    assert hat_reach(make_state(right=X0), GRID) == 1
+
+
+def test_sparse_elements_leave_no_holes():
+    fields, _ = gridded(make_state(per_cell=0.5))
+    expected = 0.8 + 1e-7 * NX
+    assert np.abs(fields["siconc"] / expected - 1).max() < 0.2
+    assert np.isfinite(fields["siu"]).all()
+
+
+def test_file_is_cf(scene, tmp_path):
+    path = tmp_path / "grid" / "0002.nc"
+    write_grid(make_grid(scene, make_state(right=0.5e5), make_mask(6)), path)
+    assert [p.name for p in path.parent.iterdir()] == ["0002.nc"]
+    with netCDF4.Dataset(path) as file:
+        assert file.Conventions == "CF-1.10"
+        for name in ("siconc", "sithick", "sivol", "sisnthick", "siu", "siv"):
+            variable = file[name]
+            assert variable.dimensions == ("time", "y", "x")
+            assert variable._FillValue == 1e20
+            assert variable.coordinates == "lat lon"
+            crs = pyproj.CRS.from_cf(
+                {
+                    k: file[variable.grid_mapping].getncattr(k)
+                    for k in file[variable.grid_mapping].ncattrs()
+                }
+            )
+            assert crs == pyproj.CRS("EPSG:3413")
+            measure = variable.cell_measures.removeprefix("area: ")
+            assert file[measure].dimensions == ("y", "x") and file[measure].units == "m2"
+            assert variable.cell_methods.startswith("time: point area: mean where ")
+        for axis in ("time", "y", "x"):
+            bounds = file[file[axis].bounds]
+            assert bounds.dimensions == (axis, "bnds") and "_FillValue" not in bounds.ncattrs()
+        assert file["y_bnds"][0].tolist() == [2e5, 3e5]
+        assert file["time"].units == "seconds since 1981-12-31 00:00:00"
+    with xr.open_dataset(path, decode_coords="all") as data:
+        assert data["time"].values[0] == np.datetime64("1982-01-02")
+        assert np.isnan(data["siconc"].values[0, :, 0]).all()
+        assert data["lat"].values.max() < 90 and data["lat"].values.min() > 75
+        assert {"time_bnds", "x_bnds", "y_bnds", "crs", "sea_area"} <= set(data.coords)
+        fraction = data["sea_area_fraction"].values[0]
+        np.testing.assert_allclose(fraction, [0, 0.5, 1, 1, 1, 1, 1, 1])
+
+
+def test_without_thermodynamics_there_is_no_snow(tmp_path):
+    data = make_grid(scene_of(tmp_path, "wind"), make_state(snow=False), make_mask())
+    assert "sisnthick" not in data and "sithick" in data
+
+
+def test_rule_writes_the_same_bytes_twice(scene, tmp_path, caplog):
+    write_state(make_state(), tmp_path / "0002.nc")
+    write_dataset(make_mask(), tmp_path / "mask.nc")
+    files = []
+    for name in ("a.nc", "b.nc"):
+        rule = SimpleNamespace(
+            input=SimpleNamespace(state=tmp_path / "0002.nc", mask=tmp_path / "mask.nc"),
+            output=SimpleNamespace(grid=tmp_path / name),
+            config={"scene": str(tmp_path / "scene.yaml")},
+        )
+        with caplog.at_level(logging.INFO):
+            stage_module.main(rule)
+        assert "grid minus elements: ice area" in caplog.text
+        files.append((tmp_path / name).read_bytes())
+    assert files[0] == files[1]
+
+
+def test_faults_are_one_sentence(scene, tmp_path):
+    mask = make_mask().isel(x=slice(0, 30))
+    with pytest.raises(FloeError, match="mask: its 32 x 30 cells do not divide 8 x 8"):
+        make_grid(scene, make_state(), mask)
+    (tmp_path / "file").write_text("in the way")
+    data = make_grid(scene, make_state(), make_mask())
+    with pytest.raises(FloeError, match="cannot be written"):
+        write_grid(data, tmp_path / "file" / "grid.nc")
