@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+//
+// C interface of the plugin for Python (dynamics/engine.py). Functions that can fail return 0 for
+// success and else 1; the sentence is then in floe_error(). All are collective unless they say
+// "local". Arrays are contiguous; columns as named here.
+#ifndef FLOE_CAPI_H
+#define FLOE_CAPI_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+const char *floe_error(void);
+int floe_open(int argc, char **argv, void *comm, void **instance);  // comm: pointer to an MPI_Comm
+void floe_close(void *instance);
+int floe_command(void *instance, const char *line);
+void floe_set_start_time(void *instance, double seconds);  // local
+
+// Elements. columns: x y theta u v omega radius mass thickness ice_area, one row per element.
+int floe_create_elements(void *instance, long long n, const long long *id, const signed char *type,
+                         const double *columns);
+long long floe_count_elements(void *instance);                                              // local
+void floe_get_elements(void *instance, long long *id, signed char *type, double *columns);  // local
+
+// Pairs, by (lower id, higher id), one row each. bond columns: span thickness crack_a crack_b lo_ax
+// lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by; contact columns: slip rest_overlap.
+// placed: number of this rank's pairs that were found in its neighbour lists (local).
+int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, const double *bond,
+                   long long contacts, const long long *contact_ids, const double *contact,
+                   long long *bonds_placed, long long *contacts_placed);
+void floe_count_pairs(void *instance, long long *bonds, long long *contacts);  // local
+void floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
+                    double *contact);  // local
+
+// Forcing on a regular grid, copied. velocity: [time][y][x][wind_u wind_v ocean_u ocean_v].
+int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
+                     double x0, double dx, double y0, double dy, const double *velocity,
+                     const double *coriolis);
+
+// Sums of this rank: names separated by blanks, and the numbers in that order (local).
+const char *floe_sum_names(void);
+int floe_sums(void *instance, double *out, int size);
+void floe_clear_sums(void *instance);
+
+// First fault of this rank (local): integers kind step id partner, numbers x y force_x force_y torque
+// speed. Kind 0: none.
+void floe_fault(void *instance, long long *integers, double *numbers);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+//
+// Errors of LIGGGHTS as exceptions. The library ends the process when all ranks meet an error; inside
+// the plugin such an error becomes an exception, so that Python can say what was wrong and go on.
+#ifndef FLOE_LIGGGHTS_ERROR_H
+#define FLOE_LIGGGHTS_ERROR_H
+
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+namespace floe {
+
+struct LiggghtsError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+std::string &last_error();
+
+// Runs work; 0, or 1 with the reason in last_error().
+template <typename Work>
+int guarded(Work work) {
+  try {
+    work();
+    return 0;
+  } catch (const std::exception &error) {
+    last_error() = error.what();
+  }
+  return 1;
+}
+
+}  // namespace floe
+
+#endif

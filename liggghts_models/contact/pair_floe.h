@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+//
+// pair_style gran model floe: forces between elements of sea ice. LIGGGHTS hands over neighbour and
+// history lists; the loop over pairs is ours, so that it works in two dimensions and is compiled once
+// for each set of effects, without virtual calls or switches inside.
+#ifndef FLOE_CONTACT_PAIR_FLOE_H
+#define FLOE_CONTACT_PAIR_FLOE_H
+
+#include <cstdint>
+#include <string>
+
+#include "bond.h"
+#include "contact.h"
+#include "granular_pair_style.h"
+#include "pointers.h"
+
+namespace LAMMPS_NS {
+class FixFloeIntegrate;
+}
+
+namespace floe {
+
+// Energy (J) and counts of the present pairs of one rank.
+struct PairSums {
+  double elastic_bond = 0.0, elastic_contact = 0.0;
+  double bonds = 0.0, contacts = 0.0, max_overlap = 0.0;
+};
+
+class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS_NS::Pointers {
+ public:
+  PairFloe(LAMMPS_NS::LAMMPS *lmp, std::int64_t hash) : Pointers(lmp), hash_(hash) {}
+
+  void settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *setup) override;
+  void init_granular() override;
+  void write_restart_settings(FILE *) override;
+  void read_restart_settings(FILE *, std::int64_t) override;
+  void compute_force(LAMMPS_NS::PairGran *, int eflag, int vflag, int addflag) override;
+  int get_history_offset(const std::string name) override;
+  double stressStrainExponent() override { return 1.0; }
+  std::int64_t hashcode() override { return hash_; }
+  bool contact_match(const std::string type, const std::string model) override {
+    return type == "normal" && model == "floe";
+  }
+
+  PairSums sums(LAMMPS_NS::PairGran *) const;
+  double compressive_strength(double thickness) const {
+    return kovacs_sodhi ? kovacs_sodhi_strength(thickness) : compressive;
+  }
+  int history_size() const;
+
+  bool bonds = false, friction = true, kovacs_sodhi = false;
+  double compressive = 0.0;  // Pa, where it is constant
+  double reach = 1.0;        // neighbours are kept up to this multiple of the sum of radii
+  BondMaterial bond{};
+  ContactMaterial contact{};
+
+ private:
+  template <bool Bonds, bool Friction>
+  void loop(LAMMPS_NS::PairGran *);
+  LAMMPS_NS::FixFloeIntegrate *fix_ = nullptr;
+  std::int64_t hash_;
+};
+
+}  // namespace floe
+
+#endif

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+//
+// fix floe/integrate: moves the elements. One pass over them per step applies contact forces and all
+// external forces, advances velocity, position, spin and orientation, and keeps the budgets.
+//
+// The scheme is the leapfrog form of velocity Verlet: the velocity of a state belongs to half a step
+// before its position. Forces are evaluated at the stored positions and velocities and nowhere
+// else, so a state that was written and read back continues with the same numbers.
+#ifndef LMP_FIX_FLOE_INTEGRATE_H
+#define LMP_FIX_FLOE_INTEGRATE_H
+
+#include "drag.h"
+#include "fix.h"
+#include "forcing.h"
+#include "ledger.h"
+
+namespace LAMMPS_NS {
+
+class FixFloeIntegrate : public Fix {
+ public:
+  static constexpr int fixed_type = 2;  // elements of this type never move
+
+  FixFloeIntegrate(class LAMMPS *, int, char **);
+  ~FixFloeIntegrate() override;
+  int setmask() override;
+  void init() override;
+  void initial_integrate(int) override;
+
+  void grow_arrays(int) override;
+  void copy_arrays(int, int, int) override;
+  void set_arrays(int) override;
+  int pack_border(int, int *, double *) override;
+  int unpack_border(int, int, double *) override;
+  int pack_exchange(int, double *) override;
+  int unpack_exchange(int, double *) override;
+  double memory_usage() override;
+
+  // Orientation of element i. Its cosine and sine travel with the ghosts in omega[i][0] and
+  // omega[i][1], which a two-dimensional run does not use otherwise.
+  void set_orientation(int i, double angle);
+
+  // Notes that the bond between elements i and j has come to the end of the neighbours' reach.
+  void fault_at(int i, int j);
+
+  double *thickness;  // m, of elements and ghosts
+  double *ice_area;   // m2
+  double *theta;      // rad
+
+  floe::DriftLaw law;
+  floe::ForcingGrid forcing;
+  double start_time;  // s, time of step 0 on the forcing's axis
+  floe::Ledger ledger;
+  floe::Fault fault;
+
+ private:
+  void parse(int narg, char **arg);
+  void note_fault(int i, int kind, int partner, double speed);
+  void freeze(int i, int kind, double speed);
+  double default_thickness, default_ice_area;
+};
+
+}  // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+//
+// Registration in the stock LIGGGHTS library. This is the one file that reaches for members that
+// LIGGGHTS keeps private; an explicit template instantiation may name them, which makes it legal C++.
+#include "plugin.h"
+
+#include <map>
+#include <string>
+
+// contact_models.h relies on these without including them.
+#include "comm.h"
+#include "error.h"
+#include "force.h"
+
+#include "contact_models.h"
+#include "fix_floe_integrate.h"
+#include "granular_pair_style.h"
+#include "lammps.h"
+#include "modify.h"
+#include "pair_floe.h"
+#include "pair_gran_proxy.h"
+
+using namespace LAMMPS_NS;
+
+namespace floe {
+
+namespace {
+
+constexpr int normal_model_id = 41;  // below 64 and not used by any stock model
+
+template <typename Tag, typename Tag::type Member>
+struct Expose {
+  friend typename Tag::type get(Tag) { return Member; }
+};
+
+using FixCreator = Fix *(*)(LAMMPS *, int, char **);
+struct FixMap {
+  using type = std::map<std::string, FixCreator> *Modify::*;
+  friend type get(FixMap);
+};
+template struct Expose<FixMap, &Modify::fix_map>;
+
+struct PairImplementation {
+  using type = LIGGGHTS::PairStyles::IGranularPairStyle *PairGranProxy::*;
+  friend type get(PairImplementation);
+};
+template struct Expose<PairImplementation, &PairGranProxy::impl>;
+
+LIGGGHTS::PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *, std::int64_t hash) {
+  return new PairFloe(lmp, hash);
+}
+
+Fix *create_fix(LAMMPS *lmp, int narg, char **arg) { return new FixFloeIntegrate(lmp, narg, arg); }
+
+void register_pair() {
+  auto &models = LIGGGHTS::ContactModels::Factory::instance();
+  if (models.getNormalModelId("floe") == normal_model_id) return;
+  models.addNormalModel("floe", normal_model_id);
+  constexpr std::int64_t hash = LIGGGHTS::ContactModels::GranStyle<normal_model_id>::HASHCODE;
+  LIGGGHTS::PairStyles::Factory::instance().addStyle("gran", hash, create_pair);
+}
+
+}  // namespace
+
+void register_models(LAMMPS *lmp) {
+  register_pair();
+  (*(lmp->modify->*get(FixMap())))["floe/integrate"] = create_fix;
+}
+
+Parts find_parts(LAMMPS *lmp) {
+  Parts out;
+  auto *proxy = dynamic_cast<PairGranProxy *>(lmp->force->pair);
+  if (proxy) {
+    out.pair = proxy;
+    out.floe = dynamic_cast<PairFloe *>(proxy->*get(PairImplementation()));
+  }
+  out.fix = dynamic_cast<FixFloeIntegrate *>(lmp->modify->find_fix_style("floe/integrate", 0));
+  return out;
+}
+
+}  // namespace floe

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+//
+// Adds pair style, fix and commands to a LIGGGHTS that is linked or loaded as a library.
+#ifndef FLOE_PLUGIN_H
+#define FLOE_PLUGIN_H
+
+namespace LAMMPS_NS {
+class LAMMPS;
+class FixFloeIntegrate;
+class PairGran;
+}  // namespace LAMMPS_NS
+
+namespace floe {
+
+class PairFloe;
+
+// Once per LIGGGHTS instance, and again after its `clear` command.
+void register_models(LAMMPS_NS::LAMMPS *lmp);
+
+// Parts of a running instance; null where the input has not set them up.
+struct Parts {
+  LAMMPS_NS::PairGran *pair = nullptr;
+  PairFloe *floe = nullptr;
+  LAMMPS_NS::FixFloeIntegrate *fix = nullptr;
+};
+Parts find_parts(LAMMPS_NS::LAMMPS *lmp);
+
+}  // namespace floe
+
+#endif
