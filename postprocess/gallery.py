@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 
 from floeflow.config import Scene
 from floeflow.postprocess.collect import displacement
+from floeflow.postprocess.expense import Stage
 from floeflow.postprocess.figures.bonds import bond_map
 from floeflow.postprocess.figures.budgets import budget_figure
 from floeflow.postprocess.figures.cost import cost_figure
@@ -37,7 +38,6 @@ from floeflow.postprocess.figures.style import (
     common_limits,
     write_png,
 )
-from floeflow.postprocess.wording import Stage
 
 CAPTIONS = {
     "thickness": "Ice thickness of the elements (mean over the ice in each)",

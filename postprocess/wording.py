@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The report in words and numbers: cards, tables of the scene, budgets, cost, provenance.
+"""The report in words and numbers: cards, tables of the scene and its provenance.
 
 Everything here is plain text; the template escapes it. A number that is not finite never reaches
 the page: it is told as a dash.
@@ -7,14 +7,11 @@ the page: it is told as a dash.
 
 from __future__ import annotations
 
-import csv
 import json
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
@@ -24,7 +21,6 @@ from pydantic_core import PydanticUndefined
 from floeflow import __version__
 from floeflow.config import Scene
 from floeflow.effects import EFFECTS, Effect
-from floeflow.errors import FloeError
 from floeflow.postprocess.figures.series import AREA_UNITS, VOLUME_UNITS
 
 DASH = "–"
@@ -54,18 +50,6 @@ class Key:
     def differs(self) -> bool:
         """Whether the scene sets it to something else than the default."""
         return self.value != self.default
-
-
-@dataclass(frozen=True)
-class Stage:
-    """What a stage cost."""
-
-    name: str
-    jobs: int
-    seconds: float
-    memory: float = math.nan
-    inner: bool = False
-    element_steps_per_s: float = math.nan
 
 
 def number(value: Any, digits: int = 4) -> str:
@@ -207,68 +191,6 @@ def effect_lists(scene: Scene) -> tuple[list[Effect], list[Effect]]:
     """Effects that the scene simulates, and those that are absent."""
     there = [EFFECTS[name] for name in scene.effects]
     return there, [effect for effect in EFFECTS.values() if effect.name not in scene.effects]
-
-
-def stages(benchmarks: Sequence[Path], diagnosed: Mapping[str, Any]) -> list[Stage]:
-    """Cost by rule from Snakemake's benchmarks, the windows' parts beneath their rule.
-
-    Parameters
-    ----------
-    benchmarks : sequence of Path
-        Tab-separated files named by rule, or by number in a folder named by rule.
-    diagnosed : mapping
-        ``diagnostics.json``.
-
-    Raises
-    ------
-    FloeError
-        For a file that is no benchmark.
-    """
-    rules: dict[str, list[tuple[float, float]]] = {}
-    for path in benchmarks:
-        stem = re.sub(r"[_.-]?\d*$", "", path.stem) or path.parent.name
-        rules.setdefault(stem, []).append(_benchmark(path))
-    found = []
-    inner = [
-        Stage(
-            name,
-            diagnosed["headline"]["windows"],
-            seconds,
-            inner=True,
-            element_steps_per_s=diagnosed["headline"]["element_steps_per_s"]
-            if name == "dynamics"
-            else math.nan,
-        )
-        for name, seconds in diagnosed["window_seconds"].items()
-    ]
-    for name, jobs in rules.items():
-        seconds = sum(job[0] for job in jobs)
-        memory = max((job[1] for job in jobs if math.isfinite(job[1])), default=math.nan)
-        found.append(Stage(name, len(jobs), seconds, memory))
-        if name.startswith("window"):
-            found += inner
-    return found if any(stage.inner for stage in found) else found + inner
-
-
-def _benchmark(path: Path) -> tuple[float, float]:
-    """Wall seconds (summed over repeats) and largest memory (MB) of a benchmark file."""
-    try:
-        with path.open(newline="") as file:
-            rows = list(csv.DictReader(file, delimiter="\t"))
-        seconds = sum(float(row["s"]) for row in rows)
-    except (OSError, KeyError, ValueError, TypeError):
-        raise FloeError(f"{path}: is no benchmark of Snakemake") from None
-    sizes = [row.get("max_rss") or "" for row in rows]
-    known = [float(size) for size in sizes if re.fullmatch(r"[0-9.]+", size)]
-    return seconds, max(known, default=math.nan)
-
-
-def total_seconds(found: Sequence[Stage]) -> float:
-    """Wall seconds of all rules, without counting the windows' parts twice."""
-    outer = [stage for stage in found if not stage.inner]
-    windows = [stage for stage in found if stage.inner]
-    covered = any(stage.name.startswith("window") for stage in outer)
-    return sum(stage.seconds for stage in (outer if covered else [*outer, *windows]))
 
 
 def provenance(

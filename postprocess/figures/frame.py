@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
+from matplotlib.typing import ColorType
 
 from floeflow.config.blocks import Domain
 from floeflow.postprocess.figures.style import FAINT, INK, LAND, WATER, nice_step
@@ -53,9 +54,7 @@ class Frame:
         return width, float(np.clip(0.72 * width * aspect + 0.75, 2.4, 1.6 * width))
 
 
-def prepare_axes(
-    axes: Axes, frame: Frame, title: str, water: str | tuple[float, ...] = WATER
-) -> None:
+def prepare_axes(axes: Axes, frame: Frame, title: str, water: ColorType = WATER) -> None:
     """Water, land, graticule, scale bar, labels and limits of a map."""
     left, right, bottom, top = frame.extent
     axes.set_facecolor(water)

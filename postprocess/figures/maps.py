@@ -18,7 +18,7 @@ from matplotlib.collections import Collection, EllipseCollection, PolyCollection
 from matplotlib.colors import Normalize, to_rgba
 from matplotlib.figure import Figure
 
-from floeflow.postprocess.figures.frame import Frame, prepare_axes
+from floeflow.postprocess.figures.frame import HALO, Frame, prepare_axes
 from floeflow.postprocess.figures.style import (
     COAST,
     INK,
@@ -184,7 +184,16 @@ def add_colour_bar(
 
 def say_no_ice(axes: Axes) -> None:
     """Write it across the map."""
-    axes.text(0.5, 0.5, "no ice", transform=axes.transAxes, ha="center", fontsize=16, zorder=9)
+    axes.text(
+        0.5,
+        0.5,
+        "no ice",
+        transform=axes.transAxes,
+        ha="center",
+        fontsize=16,
+        zorder=9,
+        path_effects=HALO,
+    )
 
 
 def box_means(

@@ -157,8 +157,8 @@ def _tidy(axes: Axes, values: list[np.ndarray]) -> None:
     low, high = float(joined.min()), float(joined.max())
     # From zero, unless the change would drown: then a margin of the change itself, and never an
     # axis so narrow that round-off looks like a signal.
-    if low >= 0 and low < 0.6 * high:
-        axes.set_ylim(0, 1.08 * high)
+    if low >= 0 and low <= 0.6 * high:
+        axes.set_ylim(0, 1.08 * high or 1.0)
     else:
         pad = max(0.15 * (high - low), 1e-4 * abs(high), 1e-12)
         axes.set_ylim(low - pad, high + pad)

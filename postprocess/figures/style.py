@@ -14,19 +14,22 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import cmocean
 import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import Colormap
+from matplotlib.colors import Colormap, to_rgba
 from matplotlib.figure import Figure
+from matplotlib.typing import ColorType
 
 INK, FAINT = "#1d2733", "#6b7885"
 BLUE, VERMILION, GREEN, ORANGE, SKY = "#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9"
 WATER, LAND, COAST = "#dce6ee", "#b9b4aa", "#7d776c"
 
-_SETTINGS = {
+# Typed loosely: matplotlib's stubs list the names it has, which differ between its versions.
+_SETTINGS: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "axes.titlesize": 10,
@@ -83,9 +86,9 @@ class Quantity:
         return crop
 
     @property
-    def water(self) -> str | tuple[float, ...]:
+    def water(self) -> ColorType:
         """Colour of open water: where the scale tells ice from none, its own zero."""
-        return tuple(self.cmap(0.0)) if self.colours == "ice" else WATER
+        return to_rgba(self.cmap(0.0)) if self.colours == "ice" else WATER
 
 
 CONCENTRATION = Quantity("concentration", "Ice concentration (1)", "ice", 0.0, 1.0)
