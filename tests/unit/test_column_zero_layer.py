@@ -244,3 +244,9 @@ def test_ice_without_area_is_refused():
     state = ColumnState(*(np.array([[v]]) for v in (0.0, 1.0, 0.0, 260.0)))
     with pytest.raises(FloeError, match="element 0 has ice without area"):
         step(state, weather(), 3600.0, PARAMS)
+
+
+def test_a_rank_without_elements_has_nothing_to_do():
+    forcing = weather(0)
+    after, fluxes = step(columns([]), forcing, 3600.0, PARAMS)
+    assert after.ice_volume.shape == (0, 1) and fluxes.energy_ocean.shape == (0,)
