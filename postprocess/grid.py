@@ -7,6 +7,7 @@ elements' totals yet; what the grid lacks or has in excess is written beside the
 """
 
 import logging
+import math
 from pathlib import Path
 
 import numpy as np
@@ -94,7 +95,9 @@ def hat_reach(state: xr.Dataset, grid: Grid) -> int:
     area = area[area > 0.0]
     if not len(area):
         return 1
-    return max(1, round(2.0 * float(np.sqrt(np.median(area))) / min(grid.spacing)))
+    width = 2.0 * float(np.sqrt(np.median(area))) / min(grid.spacing)
+    # The allowance keeps the plain hats for three elements a cell and more.
+    return max(1, math.ceil(width - 0.25))
 
 
 def gridded_fields(state: xr.Dataset, room: Room) -> dict[str, Array]:

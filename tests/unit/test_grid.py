@@ -190,7 +190,7 @@ def test_elements_without_ice_give_no_thickness_and_no_elements_no_ice():
 
 
 def test_hats_are_about_two_elements_wide():
-    for per_cell, reach in ((0.25, 8), (0.5, 4), (1, 2), (2, 1), (10, 1)):
+    for per_cell, reach in ((0.25, 8), (0.5, 4), (1, 2), (2**0.5, 2), (2, 1), (10, 1)):
         assert hat_reach(make_state(per_cell=per_cell), GRID) == reach
     assert hat_reach(make_state(right=X0), GRID) == 1
 
