@@ -5,11 +5,10 @@ A travelling cyclone, a steady gyre and uniform weather, with east and north com
 forcing stage reads this file as it reads any other, so nothing of it is a special case.
 """
 
-from __future__ import annotations
-
 import os
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,8 +19,7 @@ from floeflow.config.blocks import Cyclone, Gyre, Scene, Weather
 from floeflow.effects import forcing_variables
 from floeflow.errors import FloeError
 from floeflow.preprocess import names, vectors
-from floeflow.preprocess.fields import EARTH_RADIUS
-from floeflow.preprocess.grids import from_lonlat, scene_crs, scene_grid, to_lonlat
+from floeflow.preprocess.grids import EARTH_RADIUS, from_lonlat, scene_crs, scene_grid, to_lonlat
 from floeflow.preprocess.times import window_span
 
 Array = NDArray[np.float64]
@@ -56,9 +54,7 @@ def cyclone_wind(
     """
     dx, dy = x - (cyclone.x + cyclone.u * time), y - (cyclone.y + cyclone.v * time)
     # r/R inside, R/r outside, over r: without a division by zero in the centre.
-    scale = cyclone.wind_speed / np.maximum(
-        cyclone.radius, (dx**2 + dy**2) / cyclone.radius
-    )
+    scale = cyclone.wind_speed / np.maximum(cyclone.radius, (dx**2 + dy**2) / cyclone.radius)
     turn = np.radians(cyclone.inflow_angle)
     spin = 1.0 if northern else -1.0
     around, inward = spin * scale * np.cos(turn), scale * np.sin(turn)
@@ -153,7 +149,7 @@ def make_analytic(scene: Scene, window: int) -> xr.Dataset:
     count = round((last - first) / scene.forcing.step)
     time = first + scene.forcing.step * np.arange(count + 1)
     needed = forcing_variables(scene.effects)
-    data: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
+    data: dict[str, Any] = {}
 
     def put(name: str, values: Array, units: str, standard_name: str) -> None:
         full = np.broadcast_to(values, (time.size, lat.size, lon.size)).astype(np.float32)

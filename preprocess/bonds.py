@@ -5,8 +5,6 @@ The glue line of a bond is the edge that the two cells share, clipped to the ice
 bond with nothing.
 """
 
-from __future__ import annotations
-
 import logging
 
 import numpy as np
@@ -66,8 +64,10 @@ def make_bonds(packing: xr.Dataset, bond_gap: float) -> xr.Dataset:
     lo, hi = packing["edge_lo"].values[edges], packing["edge_hi"].values[edges]
     elements = {name: packing[name].values for name in ("id", "x", "y")}
     elements["theta"] = np.zeros(len(elements["id"]))
-    ends = (packing[f"edge_{end}"].values[edges] for end in ("ax", "ay", "bx", "by"))
-    table = new_bonds(elements, lo, hi, *ends, np.minimum(thickness[lo - 1], thickness[hi - 1]))
+    ax, ay, bx, by = (packing[f"edge_{end}"].values[edges] for end in ("ax", "ay", "bx", "by"))
+    table = new_bonds(
+        elements, lo, hi, ax, ay, bx, by, np.minimum(thickness[lo - 1], thickness[hi - 1])
+    )
     names = {name: f"bond_{name}" for name in table}
     assert all(name in VARIABLES for name in names.values())
     log.info("%d bonds on %d shared edges", len(edges), packing.sizes["edge"])

@@ -183,15 +183,11 @@ def _kind(item: Variable) -> str:
 def _length(coordinate: Variable, path: str | Path) -> float:
     units = coordinate.text("units")
     if units.lower() not in _LENGTHS:
-        raise FloeError(
-            f"{path}: coordinate '{coordinate.name}' has units '{units}', not m or km"
-        )
+        raise FloeError(f"{path}: coordinate '{coordinate.name}' has units '{units}', not m or km")
     return _LENGTHS[units.lower()]
 
 
-def projection(
-    variables: dict[str, Variable], variable: Variable, path: str | Path
-) -> pyproj.CRS:
+def projection(variables: dict[str, Variable], variable: Variable, path: str | Path) -> pyproj.CRS:
     """Projection of a variable on projected coordinates, from its CF grid mapping.
 
     A WKT or PROJ text is taken before the CF parameters, which more often leave out the earth's

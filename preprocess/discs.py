@@ -13,7 +13,7 @@ from scipy.ndimage import binary_dilation
 from scipy.spatial import cKDTree
 
 from floeflow.preprocess.grids import Grid
-from floeflow.preprocess.points import hilbert_key, thin
+from floeflow.preprocess.points import hilbert_key, on_ice, thin
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -24,6 +24,10 @@ REACH = 2.0e5
 COAST_SPACING = 0.9
 # No disc is larger than this many mean radii.
 MOST_RADII = 1.5
+# Discs are spread until they could fill this share of the ice: random packings of equal discs jam
+# near 0.84 (O'Hern et al. 2003).
+FILL = 0.84
+SPREAD_ROUNDS, SPREAD_STEP = 100, 0.25
 # Each round of growth closes half of what gaps are left.
 ROUNDS = 40
 # Taken off every radius at the end, so that round-off makes no overlap.
@@ -61,9 +65,7 @@ def coast_points(grid: Grid, ice: Flags, land: Flags, mean_radius: float) -> tup
     water, solid = np.kron(reached, block), np.kron(land, block)
     row, column = np.nonzero(solid & binary_dilation(water, _SIDES))
     side = grid.spacing / split
-    points = np.stack(
-        [grid.x_min + side * (column + 0.5), grid.y_min + side * (row + 0.5)], axis=1
-    )
+    points = np.stack([grid.x_min + side * (column + 0.5), grid.y_min + side * (row + 0.5)], axis=1)
     distance = COAST_SPACING * mean_radius
     if len(points) and distance > side:
         priority = np.argsort(np.argsort(_curve(grid, points), kind="stable"))
@@ -74,6 +76,57 @@ def coast_points(grid: Grid, ice: Flags, land: Flags, mean_radius: float) -> tup
 def _curve(grid: Grid, points: Array) -> NDArray[np.int64]:
     size = grid.spacing * max(grid.shape)
     return hilbert_key(points[:, 0], points[:, 1], grid.x_min, grid.y_min, size)
+
+
+def spread(
+    grid: Grid, ice: Flags, points: Array, coast: Array, coast_radius: float, target: Array
+) -> Array:
+    """Push discs apart that would overlap at their target radii, so that all can grow.
+
+    In each round every pair that overlaps moves apart by a share of its overlap, a mobile disc at
+    the coast alone. A disc that would leave the ice stays.
+
+    Parameters
+    ----------
+    grid, ice
+        Mask grid and its cells with ice.
+    points : ndarray
+        Mobile centres (m), (n, 2).
+    coast : ndarray
+        Fixed centres (m), (k, 2).
+    coast_radius : float
+        Their radius (m).
+    target : ndarray
+        Target radii of the mobile discs (m), (n,).
+
+    Returns
+    -------
+    ndarray
+        Mobile centres (m), (n, 2).
+    """
+    count = len(points)
+    radius = np.concatenate([target, np.full(len(coast), coast_radius)])
+    everywhere = np.concatenate([points, coast])
+    for _ in range(SPREAD_ROUNDS):
+        pairs = cKDTree(everywhere).query_pairs(2.0 * radius.max(), output_type="ndarray")
+        pairs = pairs[pairs[:, 0] < count]
+        first, second = pairs.T
+        apart = everywhere[second] - everywhere[first]
+        distance = np.hypot(*apart.T)
+        overlap = radius[first] + radius[second] - distance
+        near = overlap > 0
+        first, second = first[near], second[near]
+        push = SPREAD_STEP * (overlap[near] / distance[near])[:, None] * apart[near]
+        alone = second >= count
+        push[alone] *= 2.0
+        moved = everywhere[:count].copy()
+        for axis in (0, 1):
+            moved[:, axis] -= np.bincount(first, weights=push[:, axis], minlength=count)[:count]
+            gain = np.where(alone, 0.0, push[:, axis])
+            moved[:, axis] += np.bincount(second, weights=gain, minlength=count)[:count]
+        stays = on_ice(grid, ice, moved)
+        everywhere[:count][stays] = moved[stays]
+    return everywhere[:count]
 
 
 def radii(points: Array, largest: Array) -> Array:

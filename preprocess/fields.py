@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Gridded fields of a user's file brought to points of the scene.
+"""Gridded fields of a user's file: their grid and their values, axes ascending.
 
-Bilinear interpolation on longitude/latitude grids (any order of latitude, longitudes 0..360 or
--180..180, the dateline and the pole crossed) and on projected grids. No value of a fill is ever
-used: missing values are NaN here, and are either filled from the nearest known one or refused.
+Longitude/latitude grids (any order of latitude, longitudes 0..360 or -180..180) and projected
+grids. No value of a fill is ever used: missing values are NaN from here on.
 """
 
 from __future__ import annotations
@@ -15,16 +14,13 @@ import numpy as np
 import pyproj
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from floeflow.errors import FloeError
 from floeflow.preprocess import cf
-from floeflow.preprocess.grids import from_lonlat, to_lonlat
+from floeflow.preprocess.grids import EARTH_RADIUS, to_lonlat
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-EARTH_RADIUS = 6371.0e3
 
 
 @dataclass(frozen=True)
@@ -75,35 +71,6 @@ class Source:
         y = np.concatenate([[-90.0] * south, self.y, [90.0] * north])
         x = np.append(self.x, self.x[0] + 360.0) if self.periodic else self.x
         return x, y
-
-
-@dataclass(frozen=True)
-class Weights:
-    """Bilinear weights from a padded source grid to points.
-
-    Parameters
-    ----------
-    index : ndarray
-        Flat indices of the four corners, (4, points).
-    weight : ndarray
-        Their weights, which add up to 1, (4, points).
-    inside : ndarray
-        Whether the point lies on the source grid, half a cell beyond its last points included.
-    """
-
-    index: Index
-    weight: Array
-    inside: NDArray[np.bool_]
-
-    def apply(self, padded: Array) -> Array:
-        """Values at the points: (..., ny, nx) to (..., points)."""
-        flat = padded.reshape(*padded.shape[:-2], -1)
-        # One corner after the other: four times less memory, and a fixed order of summation. A
-        # corner without weight must not count even where it is NaN.
-        total = np.zeros((*flat.shape[:-1], self.index.shape[1]))
-        for index, weight in zip(self.index, self.weight, strict=True):
-            total += np.where(weight > 0, weight * flat[..., index], 0.0)
-        return total
 
 
 def _mean_row(row: Array) -> Array:
@@ -227,9 +194,10 @@ def _ascending(
 def _check_mapping(source: Source, layout: cf.Layout, data: xr.Dataset, path: str | Path) -> None:
     """Compare the grid mapping with the file's own two-dimensional latitudes, if it has them."""
     for name, field in data.variables.items():
-        if set(field.dims) != {layout.x, layout.y} or field.attrs.get(
-            "standard_name"
-        ) not in ("latitude", "longitude"):
+        if set(field.dims) != {layout.x, layout.y} or field.attrs.get("standard_name") not in (
+            "latitude",
+            "longitude",
+        ):
             continue
         given = field.transpose(layout.y, layout.x).values[np.ix_(source.order_y, source.order_x)]
         lon, lat = source.lonlat()
@@ -243,75 +211,3 @@ def _check_mapping(source: Source, layout: cf.Layout, data: xr.Dataset, path: st
                 f"{path}: the grid mapping lies up to {distance / 1e3:.0f} km off the file's own "
                 f"'{name}'"
             )
-
-
-def weights(source: Source, lon: Array, lat: Array) -> Weights:
-    """Bilinear weights from a source to places.
-
-    Parameters
-    ----------
-    source : Source
-        The grid, padded as `Source.padded` does.
-    lon, lat : ndarray
-        Places (degrees), any one shape; counted as on the source's own earth.
-    """
-    lon, lat = np.ravel(lon), np.ravel(lat)
-    x_axis, y_axis = source.axes()
-    if source.crs is None:
-        half = 0.5 * (x_axis[1] - x_axis[0])
-        x, y = x_axis[0] - half + np.mod(lon - x_axis[0] + half, 360.0), lat
-        if source.periodic:
-            x = x_axis[0] + np.mod(lon - x_axis[0], 360.0)
-    else:
-        x, y = from_lonlat(source.crs, lon, lat)
-    column, east, inside_x = _bracket(x_axis, x)
-    row, north, inside_y = _bracket(y_axis, y)
-    flat = row * x_axis.size + column
-    index = np.stack([flat, flat + 1, flat + x_axis.size, flat + x_axis.size + 1])
-    weight = np.stack(
-        [(1 - east) * (1 - north), east * (1 - north), (1 - east) * north, east * north]
-    )
-    return Weights(index, weight, inside_x & inside_y)
-
-
-def _bracket(axis: Array, places: Array) -> tuple[Index, Array, NDArray[np.bool_]]:
-    """Interval, share of the way through it, and whether on the axis up to half a cell beyond."""
-    low = np.clip(np.searchsorted(axis, places, side="right") - 1, 0, axis.size - 2)
-    share = (places - axis[low]) / (axis[low + 1] - axis[low])
-    reach_low, reach_high = 0.5 * (axis[1] - axis[0]), 0.5 * (axis[-1] - axis[-2])
-    inside = (places >= axis[0] - reach_low) & (places <= axis[-1] + reach_high)
-    return low.astype(np.int64), np.where(inside, np.clip(share, 0.0, 1.0), 0.0), inside
-
-
-def fill_nearest(values: Array, source: Source, reach: float) -> Array:
-    """Fill missing values from the nearest known point.
-
-    Parameters
-    ----------
-    values : ndarray
-        (..., ny, nx), NaN where missing; what is missing is taken from the first field.
-    source : Source
-        Their grid.
-    reach : float
-        Longest distance to fill over (m); beyond it the value is 0.
-
-    Returns
-    -------
-    ndarray
-        The same without NaN, provided all fields miss the same points.
-    """
-    missing = np.isnan(values.reshape(-1, *values.shape[-2:])[0])
-    filled = values.copy()
-    if not missing.any():
-        return filled
-    lon, lat = (np.radians(part) for part in source.lonlat())
-    points = EARTH_RADIUS * np.stack(
-        [np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], axis=-1
-    )
-    filled[..., missing] = 0.0
-    if missing.all():
-        return filled
-    distance, nearest = cKDTree(points[~missing]).query(points[missing])
-    taken = values[..., ~missing][..., nearest]
-    filled[..., missing] = np.where(distance <= reach, taken, 0.0)
-    return filled

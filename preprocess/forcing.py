@@ -6,8 +6,6 @@ where they stand in the file, before they are interpolated, so that nothing brea
 Missing values are refused; only the ocean's may be missing on land. See docs/forcing.md.
 """
 
-from __future__ import annotations
-
 import logging
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,7 +19,7 @@ from floeflow import stage
 from floeflow.config.blocks import Scene
 from floeflow.effects import forcing_variables
 from floeflow.errors import FloeError
-from floeflow.preprocess import cf, fields, names, vectors
+from floeflow.preprocess import cf, fields, interpolate, names, vectors
 from floeflow.preprocess.grids import scene_crs, scene_grid, to_lonlat
 from floeflow.preprocess.inputs import check_cover, forcing_items
 from floeflow.preprocess.times import say, seconds_since, window_span
@@ -36,9 +34,16 @@ EARTH_ROTATION = 7.292115e-5  # rad/s, WGS 84
 # Ocean values missing on land take the nearest one up to this far (m); beyond it there is none.
 OCEAN_REACH = 5.0e5
 UNITS = {
-    "wind": "m s-1", "ocean": "m s-1", "coriolis": "s-1", "air_temperature": "K",
-    "specific_humidity": "kg kg-1", "air_pressure": "Pa", "shortwave_down": "W m-2",
-    "longwave_down": "W m-2", "snowfall": "kg m-2 s-1", "ocean_heat_flux": "W m-2",
+    "wind": "m s-1",
+    "ocean": "m s-1",
+    "coriolis": "s-1",
+    "air_temperature": "K",
+    "specific_humidity": "kg kg-1",
+    "air_pressure": "Pa",
+    "shortwave_down": "W m-2",
+    "longwave_down": "W m-2",
+    "snowfall": "kg m-2 s-1",
+    "ocean_heat_flux": "W m-2",
 }
 
 
@@ -63,17 +68,17 @@ class _File:
     lon: Array
     lat: Array
     span: tuple[float, float]
-    cache: dict[tuple[str, str, str], tuple[fields.Source, fields.Weights]] = field(
+    cache: dict[tuple[str, str, str], tuple[fields.Source, interpolate.Weights]] = field(
         default_factory=dict
     )
 
-    def grid(self, variable: cf.Variable) -> tuple[fields.Source, fields.Weights]:
+    def grid(self, variable: cf.Variable) -> tuple[fields.Source, interpolate.Weights]:
         """The variable's grid and its weights to the scene grid; refuses a file too small."""
         layout = cf.layout(self.variables, variable, self.path)
         key = (layout.x, layout.y, variable.text("grid_mapping"))
         if key not in self.cache:
             source = fields.source_grid(self.variables, variable, layout, self.data, self.path)
-            found = fields.weights(source, self.lon, self.lat)
+            found = interpolate.weights(source, self.lon, self.lat)
             if not found.inside.all():
                 worst = int(np.argmin(found.inside))
                 lat, lon = self.lat.ravel()[worst], self.lon.ravel()[worst]
@@ -103,15 +108,13 @@ class _File:
         """Raw values at these times on the file's grid, nothing missing where it is needed."""
         layout = cf.layout(self.variables, variable, self.path)
         source, found = self.grid(variable)
-        values = fields.read_values(
-            self.data, variable.name, layout, source, index, self.path
-        )
+        values = fields.read_values(self.data, variable.name, layout, source, index, self.path)
         missing = np.isnan(values)
         if ocean and missing.any():
             always = missing.all(axis=0)
             if always.all():
                 raise FloeError(f"{self.path}: '{variable.name}' has no value in the window")
-            filled = fields.fill_nearest(
+            filled = interpolate.fill_nearest(
                 np.where(always, np.nan, np.where(missing, 0.0, values)), source, OCEAN_REACH
             )
             values = np.where(missing & ~always, np.nan, filled)
@@ -123,7 +126,7 @@ class _File:
         variable: cf.Variable,
         layout: cf.Layout,
         source: fields.Source,
-        found: fields.Weights,
+        found: interpolate.Weights,
         values: Array,
         index: Index,
     ) -> None:
@@ -139,16 +142,13 @@ class _File:
             time = f" at {say(self.scene.time.start, float(seconds[0]))}"
         lat, lon = self.lat.ravel()[where], self.lon.ravel()[where]
         raise FloeError(
-            f"{self.path}: '{variable.name}' is missing or not finite{time} near "
-            f"{_place(lat, lon)}"
+            f"{self.path}: '{variable.name}' is missing or not finite{time} near {_place(lat, lon)}"
         )
 
 
 def _place(lat: float, lon: float) -> str:
     east = (lon + 180.0) % 360.0 - 180.0
-    return (
-        f"{abs(lat):.1f} {'N' if lat >= 0 else 'S'}, {abs(east):.1f} {'E' if east >= 0 else 'W'}"
-    )
+    return f"{abs(lat):.1f} {'N' if lat >= 0 else 'S'}, {abs(east):.1f} {'E' if east >= 0 else 'W'}"
 
 
 def _scalar(file: _File, name: str, variable: cf.Variable) -> tuple[Array, Array]:
@@ -193,9 +193,8 @@ def _vector(file: _File, name: str, item: names.FoundVector) -> tuple[Array, Arr
     east, north = parts
     if not item.east_north and source.crs is not None:
         # On longitude and latitude the grid's own axes are east and north.
-        east, north = vectors.map_to_east_north(
-            *parts, vectors.north_angle(source.crs, lon, lat)
-        )
+        angle = vectors.north_angle(source.crs, lon, lat)
+        east, north = vectors.map_to_east_north(east, north, angle)
     u, v = vectors.east_north_to_map(east, north, vectors.north_angle(file.crs, lon, lat))
     return seconds, found.apply(source.padded(u)), found.apply(source.padded(v))
 
@@ -266,7 +265,8 @@ def make_forcing(scene: Scene, path: str | Path, window: int) -> xr.Dataset:
         values = np.ascontiguousarray(made[name]).reshape(
             grid.shape if name == "coriolis" else (time.size, *grid.shape)
         )
-        data_vars[name] = (dims, values, {"units": UNITS[name.removesuffix("_u").removesuffix("_v")]})
+        units = UNITS[name.removesuffix("_u").removesuffix("_v")]
+        data_vars[name] = (dims, values, {"units": units})
     log.info("window %d: %d times, %d variables", window, time.size, len(data_vars))
     coords = {
         "time": ("time", time, {"units": "s", "long_name": "time since the scene's start"}),

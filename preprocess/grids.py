@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 # pyproj finds by finite differences.
 EQUAL_AREA_TOLERANCE = 1e-6
 
+EARTH_RADIUS = 6371.0e3  # m, for distances that need no ellipsoid
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -52,12 +54,12 @@ class Grid:
     @property
     def x_edges(self) -> Array:
         """Sides of the columns (m), (nx + 1,)."""
-        return self.x_min + self.spacing * np.arange(self.x.size + 1)
+        return np.asarray(self.x_min + self.spacing * np.arange(self.x.size + 1), dtype=float)
 
     @property
     def y_edges(self) -> Array:
         """Sides of the rows (m), (ny + 1,)."""
-        return self.y_min + self.spacing * np.arange(self.y.size + 1)
+        return np.asarray(self.y_min + self.spacing * np.arange(self.y.size + 1), dtype=float)
 
     def mesh(self) -> tuple[Array, Array]:
         """Centres of all cells, x and y (m), each (ny, nx)."""
@@ -75,9 +77,9 @@ def _grid(domain: Domain, refine: int) -> Grid:
     spacing = domain.spacing / refine
     nx = refine * round((domain.x_max - domain.x_min) / domain.spacing)
     ny = refine * round((domain.y_max - domain.y_min) / domain.spacing)
-    x = domain.x_min + spacing * (np.arange(nx) + 0.5)
-    y = domain.y_min + spacing * (np.arange(ny) + 0.5)
-    return Grid(x, y, spacing, domain.x_min, domain.y_min)
+    x = domain.x_min + spacing * (np.arange(nx, dtype=float) + 0.5)
+    y = domain.y_min + spacing * (np.arange(ny, dtype=float) + 0.5)
+    return Grid(np.asarray(x, float), np.asarray(y, float), spacing, domain.x_min, domain.y_min)
 
 
 def scene_grid(domain: Domain) -> Grid:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """State 0: the packing and its bonds, at rest."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

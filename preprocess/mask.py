@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from floeflow import stage
 from floeflow.config.blocks import Scene
 from floeflow.errors import FloeError
-from floeflow.preprocess import cf, fields
+from floeflow.preprocess import cf, fields, interpolate
 from floeflow.preprocess.grids import cell_area, mask_grid, scene_crs, to_lonlat
 from floeflow.preprocess.inputs import find_concentration, nearest_time
 from floeflow.state import read_dataset, write_dataset
@@ -98,7 +98,7 @@ class _Reader:
             self.source = fields.source_grid(
                 self.variables, self.concentration, layout, data, self.path
             )
-            self.weights = fields.weights(self.source, lon, lat)
+            self.weights = interpolate.weights(self.source, lon, lat)
             self.raw = self._raw(data, self.concentration)
             self.thickness = self._raw(data, self._variable("thickness"))
             self.water = self._raw(data, self._variable("water"))
@@ -115,15 +115,16 @@ class _Reader:
         if abs(off) > 86400.0:
             log.warning(
                 "%s: '%s' is %.1f days away from the scene's start",
-                self.path, variable.name, off / 86400.0,
+                self.path,
+                variable.name,
+                off / 86400.0,
             )
         values = fields.read_values(
             data, variable.name, layout, self.source, np.array([index]), self.path
         )[0]
         if values.shape != (self.source.y.size, self.source.x.size):
             raise FloeError(
-                f"{self.path}: '{variable.name}' is not on the grid of "
-                f"'{self.concentration.name}'"
+                f"{self.path}: '{variable.name}' is not on the grid of '{self.concentration.name}'"
             )
         if not np.isfinite(values).any():
             raise FloeError(
@@ -136,7 +137,7 @@ class _Reader:
 
     def to_grid(self, values: Array) -> Array:
         """Bilinear; nothing (0) off the file's grid."""
-        filled = fields.fill_nearest(values, self.source, self.scene.mask.fill_reach)
+        filled = interpolate.fill_nearest(values, self.source, self.scene.mask.fill_reach)
         found = self.weights.apply(self.source.padded(filled))
         return np.where(self.weights.inside, found, 0.0).reshape(self.shape)
 
@@ -184,14 +185,17 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     if not reader.weights.inside.all():
         log.warning(
             "%s covers %.1f %% of the scene; elsewhere there is open water",
-            reader.path, 100.0 * reader.weights.inside.mean(),
+            reader.path,
+            100.0 * reader.weights.inside.mean(),
         )
     siconc[land | (siconc < scene.mask.minimum_concentration)] = 0.0
     siconc, sithick = _with_thickness(scene, reader, siconc)
     area = cell_area(grid, crs)
     log.info(
         "ice area %.6g km2, ice volume %.6g km3, land %.1f %% of the cells",
-        (siconc * area).sum() / 1e6, (siconc * sithick * area).sum() / 1e9, 100.0 * land.mean(),
+        (siconc * area).sum() / 1e6,
+        (siconc * sithick * area).sum() / 1e9,
+        100.0 * land.mean(),
     )
     return _dataset(scene, grid.x, grid.y, siconc, sithick, land, area)
 

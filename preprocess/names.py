@@ -60,22 +60,39 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "air_pressure": Quantity(
         ("air_pressure_at_mean_sea_level", "air_pressure_at_sea_level", "surface_air_pressure"),
-        ("msl", "psl", "sp", "ps", "slp"), _PRESSURE, "Pa", 5.0e4, 1.2e5,
+        ("msl", "psl", "sp", "ps", "slp"),
+        _PRESSURE,
+        "Pa",
+        5.0e4,
+        1.2e5,
     ),
     "shortwave_down": Quantity(
         ("surface_downwelling_shortwave_flux_in_air",),
-        ("rsds", "msdwswrf", "avg_sdswrf", "dswrf"), _FLUX, "W m-2", 0.0, 1500.0,
+        ("rsds", "msdwswrf", "avg_sdswrf", "dswrf"),
+        _FLUX,
+        "W m-2",
+        0.0,
+        1500.0,
     ),
     "longwave_down": Quantity(
         ("surface_downwelling_longwave_flux_in_air",),
-        ("rlds", "msdwlwrf", "avg_sdlwrf", "dlwrf"), _FLUX, "W m-2", 0.0, 1000.0,
+        ("rlds", "msdwlwrf", "avg_sdlwrf", "dlwrf"),
+        _FLUX,
+        "W m-2",
+        0.0,
+        1000.0,
     ),
     "snowfall": Quantity(
         ("snowfall_flux",), ("prsn", "msr", "avg_tsrwe"), _RATE, "kg m-2 s-1", 0.0, 0.1
     ),
     "ocean_heat_flux": Quantity(
-        ("upward_sea_ice_basal_heat_flux",), ("fsitherm", "ocean_heat_flux"), _FLUX, "W m-2",
-        -1.0e4, 1.0e4, True,
+        ("upward_sea_ice_basal_heat_flux",),
+        ("fsitherm", "ocean_heat_flux"),
+        _FLUX,
+        "W m-2",
+        -1.0e4,
+        1.0e4,
+        True,
     ),
 }
 
@@ -95,16 +112,21 @@ VECTORS: dict[str, Pair] = {
     "wind": Pair(
         (("eastward_wind", "northward_wind"),),
         (("x_wind", "y_wind"), ("grid_eastward_wind", "grid_northward_wind")),
-        (("u10", "v10"), ("uas", "vas"), ("10u", "10v")), 150.0,
+        (("u10", "v10"), ("uas", "vas"), ("10u", "10v")),
+        150.0,
     ),
     "ocean": Pair(
         (
             ("eastward_sea_water_velocity", "northward_sea_water_velocity"),
             ("surface_eastward_sea_water_velocity", "surface_northward_sea_water_velocity"),
         ),
-        (("sea_water_x_velocity", "sea_water_y_velocity"),
-         ("x_sea_water_velocity", "y_sea_water_velocity")),
-        (("uo", "vo"), ("water_u", "water_v")), 10.0, True,
+        (
+            ("sea_water_x_velocity", "sea_water_y_velocity"),
+            ("x_sea_water_velocity", "y_sea_water_velocity"),
+        ),
+        (("uo", "vo"), ("water_u", "water_v")),
+        10.0,
+        True,
     ),
 }
 VECTOR_UNITS = _SPEED

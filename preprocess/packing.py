@@ -7,12 +7,13 @@ and ice volume are those of the mask. See docs/theory/packing.md.
 """
 
 import logging
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from floeflow import stage
 from floeflow.config.blocks import Packing
@@ -29,6 +30,36 @@ log = logging.getLogger(__name__)
 
 # Patches of ice smaller than this share of a mean element get no element of their own.
 SMALLEST_PATCH = 0.5
+# Unclaimed water below this share of the ocean is the round-off of a sum.
+ROUND_OFF = 1.0e-12
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Mobile elements, tessellated.
+
+    Parameters
+    ----------
+    area : ndarray
+        Effective areas (m2 on the earth), (n,).
+    ice_fraction, ice_volume : ndarray
+        Share of the area under ice, and ice volume per area (m), (n,).
+    polygons : ndarray of shapely.Polygon
+        Clipped cells, (n,).
+    lo, hi, ends : ndarray
+        Shared edges as in `tessellation.Diagram`.
+    correction : float
+        As in `tessellation.Overlay`.
+    """
+
+    area: Array
+    ice_fraction: Array
+    ice_volume: Array
+    polygons: NDArray[np.object_]
+    lo: Index
+    hi: Index
+    ends: Array
+    correction: float
 
 
 def grid_of(mask: xr.Dataset) -> Grid:
@@ -38,8 +69,17 @@ def grid_of(mask: xr.Dataset) -> Grid:
     return Grid(x, y, spacing, float(x[0]) - 0.5 * spacing, float(y[0]) - 0.5 * spacing)
 
 
-def place(grid: Grid, ice: Flags, packing: Packing, seed: int) -> tuple[Array, Array]:
-    """Places of the mobile elements, in the order of a Hilbert curve.
+def ordered(grid: Grid, places: Array) -> Array:
+    """Points in the order of a Hilbert curve, so that neighbours are near in memory."""
+    side = grid.spacing * max(grid.shape)
+    key = points.hilbert_key(places[:, 0], places[:, 1], grid.x_min, grid.y_min, side)
+    return places[np.argsort(key, kind="stable")]
+
+
+def place(
+    grid: Grid, ice: Flags, packing: Packing, seed: int, coast: Array, coast_radius: float
+) -> tuple[Array, Array]:
+    """Places of the mobile elements.
 
     Parameters
     ----------
@@ -48,7 +88,9 @@ def place(grid: Grid, ice: Flags, packing: Packing, seed: int) -> tuple[Array, A
     packing : Packing
         How many elements and relaxations.
     seed : int
-        Of PCG64.
+        Of PCG64, the only source of chance.
+    coast, coast_radius
+        Centres of the coast elements (m), (k, 2), and the radius to keep clear of.
 
     Returns
     -------
@@ -66,12 +108,48 @@ def place(grid: Grid, ice: Flags, packing: Packing, seed: int) -> tuple[Array, A
     smallest = SMALLEST_PATCH * area / packing.elements
     added = points.islands_without(grid, ice, found, marks, cells, smallest)
     found = np.concatenate([found, added])
-    size = grid.spacing * max(grid.shape)
-    key = points.hilbert_key(found[:, 0], found[:, 1], grid.x_min, grid.y_min, size)
-    found = found[np.argsort(key, kind="stable")]
-    _, owner = cKDTree(found).query(marks)
-    share = np.bincount(owner, minlength=len(found)) / len(marks)
-    return found, share * area
+    target = np.sqrt(discs.FILL * area * points.shares(found, marks) / np.pi)
+    found = discs.spread(grid, ice, found, coast, coast_radius, target)
+    found = ordered(grid, found)
+    return found, points.shares(found, marks) * area
+
+
+def tessellate(mask: xr.Dataset, places: Array, radius: Array) -> Elements:
+    """Effective areas, ice, cells and edges of mobile elements.
+
+    Parameters
+    ----------
+    mask : xarray.Dataset
+        Output of the mask stage.
+    places, radius : ndarray
+        Centres (n, 2) and radii (n,) in metres, n >= 1.
+    """
+    grid = grid_of(mask)
+    siconc, sithick = mask["siconc"].values, mask["sithick"].values
+    diagram = tessellation.power_diagram(places, radius, grid)
+    found = tessellation.overlay(diagram.polygons, grid, siconc > 0)
+    scale = mask["cell_area"].values / grid.spacing**2
+    share = found.area * scale.ravel()[found.cell]
+    ice = share * siconc.ravel()[found.cell]
+
+    def total(amount: Array) -> Array:
+        count = len(places)
+        return np.bincount(found.element, weights=amount, minlength=count).astype(float)
+
+    area = total(share)
+    shortest = 2.0 * tessellation.SHORTEST_EDGE * float(radius.mean())
+    polygons, lo, hi, ends = tessellation.clip(diagram, found, grid, shortest)
+    return Elements(
+        area=area,
+        # A sum of shares may end a round-off above 1.
+        ice_fraction=np.minimum(total(ice) / area, 1.0),
+        ice_volume=total(ice * sithick.ravel()[found.cell]) / area,
+        polygons=polygons,
+        lo=lo,
+        hi=hi,
+        ends=ends,
+        correction=found.correction,
+    )
 
 
 def make_packing(mask: xr.Dataset, packing: Packing, seed: int) -> xr.Dataset:
@@ -90,77 +168,35 @@ def make_packing(mask: xr.Dataset, packing: Packing, seed: int) -> xr.Dataset:
     -------
     xarray.Dataset
         Elements sorted by id (mobile first, then coast), their cells as rings, the edges that
-        neighbours share; see docs/theory/packing.md.
+        neighbours share; see docs/theory/packing.md. No ice makes no elements.
     """
     grid = grid_of(mask)
-    siconc, land = mask["siconc"].values, mask["land"].values > 0
-    ice = siconc > 0
-    true_area = mask["cell_area"].values
-    ocean = float(true_area[~land].sum())
+    land, ice = mask["land"].values > 0, mask["siconc"].values > 0
     if not ice.any():
         log.warning("the scene has no ice: no elements")
-        return _dataset(mask, _no_elements(), ocean)
-    places, voronoi = place(grid, ice, packing, seed)
-    count = len(places)
-    mean_radius = float(np.sqrt(voronoi.mean() / np.pi))
-    coast = np.empty((0, 2))
-    if packing.coast and land.any():
-        coast, _ = discs.coast_points(grid, ice, land, mean_radius)
-        size = grid.spacing * max(grid.shape)
-        key = points.hilbert_key(coast[:, 0], coast[:, 1], grid.x_min, grid.y_min, size)
-        coast = coast[np.argsort(key, kind="stable")]
-    everywhere = np.concatenate([places, coast])
-    largest = np.full(len(everywhere), mean_radius)
-    largest[:count] = np.minimum(np.sqrt(voronoi / np.pi), discs.MOST_RADII * mean_radius)
-    radius = discs.radii(everywhere, np.maximum(largest, 0.25 * mean_radius))
-    elements = _tessellated(mask, grid, ice, places, radius[:count])
-    elements |= {"places": everywhere, "radius": radius, "mobile": count}
+        none, index = np.empty(0), np.empty(0, dtype=np.int64)
+        polygons = np.empty(0, dtype=object)
+        elements = Elements(none, none, none, polygons, index, index, np.empty((0, 2, 2)), 0.0)
+        return _dataset(mask, np.empty((0, 2)), none, elements)
+    mean_radius = grid.spacing * float(np.sqrt(ice.sum() / packing.elements / np.pi))
+    coast, side = np.empty((0, 2)), 0.0
+    if packing.coast:
+        coast, side = discs.coast_points(grid, ice, land, mean_radius)
+        coast = ordered(grid, coast)
+    places, cells = place(grid, ice, packing, seed, coast, 0.5 * side)
+    largest = np.clip(np.sqrt(cells / np.pi), 0.25 * mean_radius, discs.MOST_RADII * mean_radius)
+    largest = np.concatenate([largest, np.full(len(coast), mean_radius)])
+    radius = discs.radii(np.concatenate([places, coast]), largest)
+    elements = tessellate(mask, places, radius[: len(places)])
+    mobile = radius[: len(places)]
     log.info(
-        "%d mobile and %d coast elements, mean radius %.4g m, smallest %.4g m, discs fill %.1f %%",
-        count, len(coast), radius[:count].mean(), radius[:count].min(),
-        100 * np.pi * (radius[:count] ** 2).sum() / (ice.sum() * grid.spacing**2),
+        "%d mobile and %d coast elements, radii %.4g m to %.4g m, mean %.4g m; discs fill %.1f %%; "
+        "areas in a mask cell corrected by at most %.1e of it",
+        *(len(places), len(coast), mobile.min(), mobile.max(), mobile.mean()),
+        100 * np.pi * (mobile**2).sum() / (ice.sum() * grid.spacing**2),
+        elements.correction,
     )
-    return _dataset(mask, elements, ocean)
-
-
-def _tessellated(
-    mask: xr.Dataset, grid: Grid, ice: Flags, places: Array, radius: Array
-) -> dict[str, object]:
-    """Areas, ice, cells and edges of the mobile elements."""
-    diagram = tessellation.power_diagram(places, radius, grid)
-    found = tessellation.overlay(diagram.polygons, grid, ice)
-    log.info("overlay: areas in a mask cell corrected by at most %.1e of it", found.correction)
-    count = len(places)
-    true = mask["cell_area"].values.ravel()[found.cell] / grid.spacing**2 * found.area
-    siconc = mask["siconc"].values.ravel()[found.cell]
-    sithick = mask["sithick"].values.ravel()[found.cell]
-
-    def total(amount: Array) -> Array:
-        return np.bincount(found.element, weights=amount, minlength=count)
-
-    area = total(true)
-    shortest = 2.0 * tessellation.SHORTEST_EDGE * float(radius.mean())
-    polygons, lo, hi, ends = tessellation.clip(diagram, found, grid, shortest)
-    return {
-        "area": area,
-        # A sum of shares may end a round-off above 1.
-        "ice_fraction": np.minimum(total(true * siconc) / area, 1.0),
-        "ice_volume": total(true * siconc * sithick) / area,
-        "polygons": polygons,
-        "lo": lo,
-        "hi": hi,
-        "ends": ends,
-        "correction": found.correction,
-    }
-
-
-def _no_elements() -> dict[str, object]:
-    none, index = np.empty(0), np.empty(0, dtype=np.int64)
-    return {
-        "places": np.empty((0, 2)), "radius": none, "mobile": 0, "area": none,
-        "ice_fraction": none, "ice_volume": none, "polygons": np.empty(0, dtype=object),
-        "lo": index, "hi": index, "ends": np.empty((0, 2, 2)), "correction": 0.0,
-    }
+    return _dataset(mask, np.concatenate([places, coast]), radius, elements)
 
 
 def _rings(polygons: NDArray[np.object_], count: int) -> tuple[Index, Array]:
@@ -175,47 +211,44 @@ def _rings(polygons: NDArray[np.object_], count: int) -> tuple[Index, Array]:
     return start.astype(np.int64), xy
 
 
-def _dataset(mask: xr.Dataset, elements: dict[str, object], ocean: float) -> xr.Dataset:
-    places, mobile = np.asarray(elements["places"]), int(str(elements["mobile"]))
-    count = len(places)
+def _dataset(mask: xr.Dataset, places: Array, radius: Array, elements: Elements) -> xr.Dataset:
+    count, mobile = len(places), len(elements.area)
 
-    def padded(name: str) -> Array:
-        return np.concatenate([np.asarray(elements[name]), np.zeros(count - mobile)])
+    def padded(values: Array) -> Array:
+        return np.concatenate([values, np.zeros(count - mobile)])
 
-    area = padded("area")
-    unclaimed = ocean - float(area.sum())
-    if abs(unclaimed) <= 1e-12 * ocean:
-        unclaimed = 0.0
-    start, ring = _rings(np.asarray(elements["polygons"]), count)
-    lo, hi = np.asarray(elements["lo"]) + 1, np.asarray(elements["hi"]) + 1
-    ends = np.asarray(elements["ends"])
-    kind = np.where(np.arange(count) < mobile, MOBILE, COAST).astype(np.int8)
+    ocean = float(mask["cell_area"].values[mask["land"].values == 0].sum())
+    unclaimed = ocean - float(elements.area.sum())
+    start, ring = _rings(elements.polygons, count)
     data = {
-        "id": ("element", np.arange(1, count + 1, dtype=np.int64)),
-        "type": ("element", kind),
-        "x": ("element", places[:, 0]),
-        "y": ("element", places[:, 1]),
-        "radius": ("element", np.asarray(elements["radius"])),
-        "area": ("element", area),
-        "ice_fraction": (("element", "category"), padded("ice_fraction")[:, None]),
-        "ice_volume": (("element", "category"), padded("ice_volume")[:, None]),
-        "cell_start": ("element_bound", start),
-        "cell_x": ("vertex", ring[:, 0]),
-        "cell_y": ("vertex", ring[:, 1]),
-        "edge_lo": ("edge", lo),
-        "edge_hi": ("edge", hi),
-        "edge_ax": ("edge", ends[:, 0, 0]),
-        "edge_ay": ("edge", ends[:, 0, 1]),
-        "edge_bx": ("edge", ends[:, 1, 0]),
-        "edge_by": ("edge", ends[:, 1, 1]),
+        "id": np.arange(1, count + 1, dtype=np.int64),
+        "type": np.where(np.arange(count) < mobile, MOBILE, COAST).astype(np.int8),
+        "x": places[:, 0],
+        "y": places[:, 1],
+        "radius": radius,
+        "area": padded(elements.area),
     }
+    columns = {
+        "ice_fraction": padded(elements.ice_fraction)[:, None],
+        "ice_volume": padded(elements.ice_volume)[:, None],
+    }
+    edges: dict[str, NDArray[Any]] = {"edge_lo": elements.lo + 1, "edge_hi": elements.hi + 1}
+    for k, end in enumerate("ab"):
+        edges |= {f"edge_{end}x": elements.ends[:, k, 0], f"edge_{end}y": elements.ends[:, k, 1]}
     attrs = {
         "crs": mask.attrs["crs"],
         "ocean_area": ocean,
-        "unclaimed_water": unclaimed,
-        "overlay_correction": float(str(elements["correction"])),
+        "unclaimed_water": unclaimed if abs(unclaimed) > ROUND_OFF * ocean else 0.0,
+        "overlay_correction": elements.correction,
     }
-    return xr.Dataset(data, attrs=attrs)
+    return xr.Dataset(
+        {name: ("element", values) for name, values in data.items()}
+        | {name: (("element", "category"), values) for name, values in columns.items()}
+        | {"cell_start": ("element_bound", start)}
+        | {"cell_x": ("vertex", ring[:, 0]), "cell_y": ("vertex", ring[:, 1])}
+        | {name: ("edge", values) for name, values in edges.items()},
+        attrs=attrs,
+    )
 
 
 def main(snakemake: stage.Snakemake) -> None:

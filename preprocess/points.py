@@ -188,6 +188,12 @@ def lloyd(grid: Grid, ice: Flags, points: Array, marks: Array, steps: int) -> Ar
     return points
 
 
+def shares(points: Array, marks: Array) -> Array:
+    """Share of the samples (m, 2) that is nearest to each point (n, 2), (n,)."""
+    _, owner = cKDTree(points).query(marks)
+    return np.bincount(owner, minlength=len(points)) / len(marks)
+
+
 def _back_on_ice(grid: Grid, ice: Flags, points: Array, marks: Array, owner: Index) -> Array:
     off = ~on_ice(grid, ice, points)
     mine = np.flatnonzero(off[owner])

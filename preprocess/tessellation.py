@@ -216,7 +216,7 @@ def clip(
     polygons = diagram.polygons.copy()
     start = np.searchsorted(found.element, np.arange(count + 1))
     domain: dict[int, shapely.Geometry] = {}
-    for number in np.flatnonzero(~whole):
+    for number in np.flatnonzero(~whole).tolist():
         boxes = cell_boxes(grid, found.cell[start[number] : start[number + 1]])
         domain[number] = shapely.union_all(boxes)
         polygons[number] = _largest(shapely.intersection(polygons[number], domain[number]))
@@ -237,8 +237,8 @@ def _largest(geometry: shapely.Geometry) -> shapely.Geometry:
 
 def _longest(geometry: shapely.Geometry, ends: Array) -> Array:
     """Ends of the longest piece in the direction of the edge; a point where nothing is left."""
-    lines = shapely.get_parts(shapely.line_merge(geometry))
-    lines = [part for part in lines if part.geom_type == "LineString" and part.length > 0]
+    parts = shapely.get_parts(shapely.line_merge(geometry))
+    lines = [part for part in parts if part.geom_type == "LineString" and part.length > 0]
     if not lines:
         return np.stack([ends[0], ends[0]])
     best = shapely.get_coordinates(max(lines, key=lambda part: float(part.length)))

@@ -6,7 +6,7 @@ from __future__ import annotations
 from datetime import datetime
 from pathlib import Path
 
-import cftime
+import netCDF4
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -31,15 +31,15 @@ def seconds_since(
     FloeError
         Where units or calendar make no sense, or a time is missing.
     """
-    times = np.atleast_1d(np.ma.filled(np.ma.asarray(values, dtype=float), np.nan))
+    times: Array = np.atleast_1d(np.ma.filled(np.ma.asarray(values, dtype=float), np.nan))
     if not np.isfinite(times).all():
         raise FloeError(f"{path}: time variable '{variable.name}' has missing values")
     units, calendar = variable.text("units"), variable.text("calendar") or "standard"
     try:
-        dates = cftime.num2date(times, units, calendar)
+        dates = netCDF4.num2date(times, units, calendar)
         since = f"seconds since {start.isoformat(sep=' ')}"
         # A microsecond is what num2date resolves.
-        return np.round(np.asarray(cftime.date2num(dates, since, calendar), dtype=float), 6)
+        return np.round(np.asarray(netCDF4.date2num(dates, since, calendar), dtype=float), 6)
     except (ValueError, OverflowError, TypeError) as error:
         raise FloeError(
             f"{path}: time variable '{variable.name}' with units '{units}' and calendar "
@@ -50,7 +50,9 @@ def seconds_since(
 def say(start: datetime, seconds: float) -> str:
     """A time of the scene as text, or as seconds where the calendar has none."""
     try:
-        date = cftime.num2date(seconds, f"seconds since {start.isoformat(sep=' ')}", "standard")
+        date = netCDF4.num2date(
+            np.array([seconds]), f"seconds since {start.isoformat(sep=' ')}", "standard"
+        )
     except (ValueError, OverflowError):
         return f"{seconds:g} s after the start"
-    return str(date)[:19]
+    return str(date[0])[:19]
