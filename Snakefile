@@ -13,8 +13,8 @@ include: "workflows/rules/common.smk"
 
 
 wildcard_constraints:
-    scene=r"[a-z0-9][a-z0-9_-]{0,63}",
-    window=r"[0-9]{4,}",
+    scene=r"[a-z0-9][a-z0-9_-]*",
+    window=r"[0-9]+",
 
 
 include: "workflows/rules/preprocess.smk"

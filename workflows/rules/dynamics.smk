@@ -6,7 +6,7 @@ rule window:
     input:
         state=previous_state,
         forcing=group_forcing,
-        plugin=PLUGIN,
+        plugin=str(PLUGIN),
     output:
         state="results/{scene}/state/{window}.nc",
         series="results/{scene}/series/{window}.nc",
@@ -16,7 +16,7 @@ rule window:
     benchmark:
         "results/{scene}/benchmarks/window/{window}.tsv"
     wildcard_constraints:
-        window=r"(?!0+$)[0-9]{4,}",
+        window=r"[0-9]*[1-9][0-9]*",
     threads: 2
     resources:
         mem_mb=4000,
