@@ -20,19 +20,26 @@ from floeflow.dynamics.bondtable import (
     CONTACT_COLUMNS,
     Arrays,
     empty_pairs,
-    line_length,
 )
 from floeflow.dynamics.enginechecks import check_bonds, check_contacts, check_elements
-from floeflow.dynamics.engineparams import EngineParams, Forcing, bond_reach
+from floeflow.dynamics.engineparams import EngineParams, Forcing
+from floeflow.dynamics.enginesetup import bond_reach, setup_commands
+from floeflow.dynamics.enginetables import (
+    count_pairs,
+    create_elements,
+    first_fault,
+    get_elements,
+    get_pairs,
+    missing_pairs,
+    put_pairs,
+)
 from floeflow.dynamics.pluginlib import load_plugin, quiet_errors
 from floeflow.errors import FloeError
 
 __all__ = ["Engine", "EngineError", "EngineParams", "Forcing"]
 
-COLUMNS = ("x", "y", "theta", "u", "v", "omega", "radius", "mass", "thickness", "ice_area")
 # Steps between two looks at the plugin's fault flag.
 CHUNK = 2000
-_NOT_FINITE, _BOND_REACH = 1, 3
 
 
 class EngineError(FloeError):
@@ -59,7 +66,8 @@ class Engine:
         self._steps = 0
         self._start = 0.0
         self._forcing: Forcing | None = None
-        self._expected = (0, 0)  # elements, bonds
+        self._ids = np.zeros(0, np.int64)
+        self._bonds = 0
 
     def __enter__(self) -> Engine:
         return self
@@ -115,12 +123,14 @@ class Engine:
         self.close()
         self._open()
         self._start, self._steps = time, 0
-        self._set_up(elements, reach)
-        self._create(elements)
+        self._ids, self._bonds = np.asarray(elements["id"]), len(bonds["id_lo"])
+        for line in setup_commands(elements, self.params, reach):
+            self._command(line)
+        self._check(create_elements(self._library, self._instance, elements))
+        self._library.floe_set_start_time(self._instance, self._start)
         self._command("run 0 post no")
         self._put_pairs(bonds, contacts)
         self._command("run 0 post no")  # forces with the pairs
-        self._expected = (len(elements["id"]), len(bonds["id_lo"]))
         if self._forcing is not None:
             self.set_forcing(self._forcing)
 
@@ -164,24 +174,15 @@ class Engine:
 
     def elements(self) -> Arrays:
         """Elements as `load` takes them, on every rank."""
-        n = int(self._library.floe_count_elements(self._instance))
-        ids, kind = np.empty(n, np.int64), np.empty(n, np.int8)
-        columns = np.empty((n, len(COLUMNS)))
-        self._library.floe_get_elements(self._instance, ids, kind, columns)
-        ids, kind, columns = (self._gather(a) for a in (ids, kind, columns))
-        order = np.argsort(ids)
-        out = {"id": ids[order], "type": kind[order]}
-        for k, name in enumerate(COLUMNS):
-            out[name] = columns[order, k].copy()
-        return out
+        return get_elements(self._library, self._instance, self.comm)
 
     def bonds(self) -> Arrays:
         """Bond table, sorted by (id_lo, id_hi), on every rank; broken bonds are not in it."""
-        return self._pairs()[0]
+        return get_pairs(self._library, self._instance, self.comm)[0]
 
     def contacts(self) -> Arrays:
         """Contact history, sorted by (id_lo, id_hi), on every rank."""
-        return self._pairs()[1]
+        return get_pairs(self._library, self._instance, self.comm)[1]
 
     def diagnostics(self) -> dict[str, float]:
         """Sums over all ranks: energies and works (J), impulses (N s), counts.
@@ -211,107 +212,17 @@ class Engine:
             )
         self._check(failed)
 
-    def _set_up(self, elements: Arrays, reach: float) -> None:
-        radius = elements["radius"]
-        skin = self._skin(elements)
-        margin = 2.0 * float(radius.max()) * reach + skin
-        low = [float(elements[axis].min()) - margin for axis in ("x", "y")]
-        high = [float(elements[axis].max()) + margin for axis in ("x", "y")]
-        for line in (
-            "units si",
-            "dimension 2",
-            "atom_style granular",
-            "atom_modify sort 1000 0",
-            "boundary m m p",
-            "newton off",
-            "communicate single vel yes",
-            "processors * * 1",
-            # As deep as wide neighbourhoods: LIGGGHTS refuses to bin a flat box.
-            f"region box block {low[0]!r} {high[0]!r} {low[1]!r} {high[1]!r}"
-            f" {-margin!r} {margin!r} units box",
-            "create_box 2 box",
-            f"neighbor {skin!r} bin",
-            # Not `one` or `page`: with other than their defaults LIGGGHTS 3.8 makes new lists at
-            # each `run` and forgets all pairs.
-            "neigh_modify delay 0 every 1 check yes",
-            "neigh_modify exclude type 2 2",
-            self.params.pair_style(reach),
-            "pair_coeff * *",
-            f"timestep {self.params.time_step!r}",
-            self.params.fix_style(),
-            "thermo_style custom step atoms",
-            "thermo_modify lost ignore norm no",
-            "thermo 1000000000",
-        ):
-            self._command(line)
-
-    def _skin(self, elements: Arrays) -> float:
-        if self.params.skin is not None:
-            return self.params.skin
-        # A list should last some hundreds of steps: neither rebuilt often nor full of pairs that
-        # never meet. Ice driven by wind reaches some tenths of a metre per second.
-        speed = max(0.3, float(np.hypot(elements["u"], elements["v"]).max()))
-        mean = float(elements["radius"].mean())
-        return float(np.clip(2.0 * 300.0 * speed * self.params.time_step, 0.02 * mean, 0.5 * mean))
-
-    def _create(self, elements: Arrays) -> None:
-        columns = np.ascontiguousarray(
-            np.column_stack([np.asarray(elements[name], dtype=float) for name in COLUMNS])
-        )
-        ids = np.ascontiguousarray(elements["id"], dtype=np.int64)
-        kind = np.ascontiguousarray(elements["type"], dtype=np.int8)
-        self._check(
-            self._library.floe_create_elements(self._instance, len(ids), ids, kind, columns)
-        )
-        self._library.floe_set_start_time(self._instance, self._start)
-
     def _put_pairs(self, bonds: Arrays, contacts: Arrays) -> None:
-        arguments: list[object] = []
-        for table, names in ((bonds, BOND_COLUMNS), (contacts, CONTACT_COLUMNS)):
-            ids = np.column_stack([table["id_lo"], table["id_hi"]]).astype(np.int64)
-            values = np.column_stack([np.asarray(table[name], dtype=float) for name in names])
-            arguments += [len(ids), np.ascontiguousarray(ids), np.ascontiguousarray(values)]
-        placed = (ctypes.c_longlong(), ctypes.c_longlong())
-        self._check(
-            self._library.floe_put_pairs(
-                self._instance, *arguments, ctypes.byref(placed[0]), ctypes.byref(placed[1])
-            )
-        )
-        for count, table, kind in zip(placed, (bonds, contacts), ("bond", "contact"), strict=True):
-            if self.comm.allreduce(count.value) != len(table["id_lo"]):
-                held = self._pairs()[0 if kind == "bond" else 1]
-                have = set(zip(held["id_lo"].tolist(), held["id_hi"].tolist(), strict=True))
-                want = zip(table["id_lo"].tolist(), table["id_hi"].tolist(), strict=True)
-                lo, hi = next(pair for pair in want if pair not in have)
+        library, instance, comm = self._library, self._instance, self.comm
+        self._check(put_pairs(library, instance, bonds, contacts))
+        held = get_pairs(library, instance, comm)
+        for table, present, kind in zip((bonds, contacts), held, ("bond", "contact"), strict=True):
+            missing = missing_pairs(table, present)
+            if missing:
                 raise EngineError(
-                    f"The {kind} between elements {lo} and {hi} lies outside of the neighbour "
-                    "lists: its elements are too far apart."
+                    f"The {kind} between elements {missing[0][0]} and {missing[0][1]} lies outside "
+                    "of the neighbour lists: its elements are too far apart."
                 )
-
-    def _pairs(self) -> tuple[Arrays, Arrays]:
-        counts = (ctypes.c_longlong(), ctypes.c_longlong())
-        self._library.floe_count_pairs(
-            self._instance, ctypes.byref(counts[0]), ctypes.byref(counts[1])
-        )
-        ids = [np.empty((c.value, 2), np.int64) for c in counts]
-        values = [
-            np.empty((c.value, len(names)))
-            for c, names in zip(counts, (BOND_COLUMNS, CONTACT_COLUMNS), strict=True)
-        ]
-        self._library.floe_get_pairs(self._instance, ids[0], values[0], ids[1], values[1])
-        tables = []
-        for k, names in enumerate((BOND_COLUMNS, CONTACT_COLUMNS)):
-            pair, row = self._gather(ids[k]), self._gather(values[k])
-            order = np.lexsort((pair[:, 1], pair[:, 0]))
-            table = {"id_lo": pair[order, 0].copy(), "id_hi": pair[order, 1].copy()}
-            for column, name in enumerate(names):
-                table[name] = row[order, column].copy()
-            tables.append(table)
-        tables[0]["length"] = line_length(tables[0])
-        return tables[0], tables[1]
-
-    def _gather(self, local: np.ndarray) -> np.ndarray:
-        return np.concatenate(self.comm.allgather(local))
 
     def _command(self, line: str) -> None:
         self._check(self._library.floe_command(self._instance, line.encode()))
@@ -339,49 +250,21 @@ class Engine:
             )
 
     def _check_faults(self) -> None:
-        whole, real = np.zeros(4, np.int64), np.zeros(6)
-        self._library.floe_fault(self._instance, whole, real)
-        found = [f for f in self.comm.allgather((whole.tolist(), real.tolist())) if f[0][0]]
-        if found:
-            raise EngineError(_fault_sentence(*min(found, key=lambda f: f[0][1:3])))
+        fault = first_fault(self._library, self._instance, self.comm)
+        if fault:
+            raise EngineError(fault)
         n = self.comm.allreduce(int(self._library.floe_count_elements(self._instance)))
-        if n != self._expected[0]:
-            missing = set(range(1, self._expected[0] + 1)) - set(self.elements()["id"].tolist())
+        if n != len(self._ids):
+            lost = np.setdiff1d(self._ids, self.elements()["id"])
             raise EngineError(
-                f"{self._expected[0] - n} elements were lost by step {self._steps}, among them "
-                f"{min(missing, default=0)}{log_tail(self.log)}"
+                f"{len(lost)} elements were lost by step {self._steps}, the first of them "
+                f"{lost[0]}.{log_tail(self.log)}"
             )
-        if self._expected[1]:
-            self._check_bonds()
-
-    def _check_bonds(self) -> None:
-        counts = (ctypes.c_longlong(), ctypes.c_longlong())
-        self._library.floe_count_pairs(
-            self._instance, ctypes.byref(counts[0]), ctypes.byref(counts[1])
-        )
-        held = self.comm.allreduce(counts[0].value)
-        broken = round(self.diagnostics()["bonds_broken"])
-        if held + broken != self._expected[1]:
+        held = self.comm.allreduce(count_pairs(self._library, self._instance)[0])
+        if self._bonds and held + round(self.diagnostics()["bonds_broken"]) != self._bonds:
             raise EngineError(
-                f"{self._expected[1] - broken - held} bonds were lost without breaking by step "
-                f"{self._steps}: set a longer reach."
+                f"Bonds were lost without breaking by step {self._steps}: set a longer reach."
             )
-
-
-def _fault_sentence(whole: list[int], real: list[float]) -> str:
-    kind, step, ident, partner = whole
-    x, y, fx, fy, torque, speed = real
-    place = f"at ({x:.6g}, {y:.6g}) m in step {step}"
-    if kind == _BOND_REACH:
-        return (
-            f"The bond between elements {ident} and {partner}, {place}, became longer than the "
-            "neighbour lists reach: set a longer reach."
-        )
-    what = "became non-finite" if kind == _NOT_FINITE else f"ran away with {speed:.3g} m/s"
-    return (
-        f"Element {ident} {what} {place}; last force ({fx:.6g}, {fy:.6g}) N, torque "
-        f"{torque:.6g} N m: is the time step too long?"
-    )
 
 
 def log_tail(log: Path, lines: int = 5) -> str:

@@ -9,13 +9,10 @@ from typing import Literal
 
 import numpy as np
 
-from floeflow.dynamics.bondtable import Arrays
 from floeflow.errors import FloeError
 
 FIXED = 2  # type of elements that never move
 VELOCITIES = ("wind_u", "wind_v", "ocean_u", "ocean_v")
-# The furthest that neighbours are sought for, as a multiple of the sum of two radii.
-LONGEST_REACH = 4.0
 
 
 @dataclass(frozen=True)
@@ -215,45 +212,3 @@ class Forcing:
         if "coriolis" in needed:
             coriolis[...] = self.fields["coriolis"]
         return velocity, coriolis
-
-
-def bond_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> float:
-    """Furthest that a bonded pair's centres can be apart, over the sum of its radii.
-
-    A point of a bond survives a displacement of at most the strength over the stiffness; the
-    centres are then no further apart than the two arms to the line and that displacement.
-
-    Raises
-    ------
-    FloeError
-        If that lies beyond what the neighbour lists can cover, naming the pair.
-    """
-    if len(bonds["id_lo"]) == 0:
-        return 1.0
-    if params.reach is not None:
-        return params.reach
-    ids = elements["id"]
-    lo, hi = np.searchsorted(ids, bonds["id_lo"]), np.searchsorted(ids, bonds["id_hi"])
-    arm = sum(
-        np.maximum(
-            np.hypot(bonds[f"{side}_ax"], bonds[f"{side}_ay"]),
-            np.hypot(bonds[f"{side}_bx"], bonds[f"{side}_by"]),
-        )
-        for side in ("lo", "hi")
-    )
-    compressive = params.bond_strength(bonds["thickness"])
-    tensile = params.tensile_share * compressive
-    shear = (compressive + tensile) * math.tan(params.friction_angle)
-    # Tension and shear do not reach their largest values together; both do bound the line.
-    normal = np.maximum(tensile, compressive) / params.young_modulus
-    stretch = bonds["span"] * np.hypot(normal, shear / params.shear_modulus)
-    reach = (arm + stretch) / (elements["radius"][lo] + elements["radius"][hi])
-    worst = int(np.argmax(reach))
-    if reach[worst] > LONGEST_REACH:
-        raise FloeError(
-            f"The bond between elements {bonds['id_lo'][worst]} and {bonds['id_hi'][worst]} "
-            f"survives until its centres are {reach[worst]:.3g} times the sum of the radii apart, "
-            f"beyond the {LONGEST_REACH:g} that neighbour lists cover: lower the strengths, raise "
-            "young_modulus, or set reach."
-        )
-    return float(reach[worst]) * 1.002

@@ -44,7 +44,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
         ctypes.c_int,
         [
             *(ctypes.c_void_p, _COUNT, _INTEGERS, _NUMBERS),
-            *(_COUNT, _INTEGERS, _NUMBERS, _COUNTED, _COUNTED),
+            *(_COUNT, _INTEGERS, _NUMBERS),
         ],
     ),
     "floe_count_pairs": (None, [ctypes.c_void_p, _COUNTED, _COUNTED]),

@@ -24,10 +24,9 @@ void floe_get_elements(void *instance, long long *id, signed char *type, double 
 
 // Pairs, by (lower id, higher id), one row each. bond columns: span thickness crack_a crack_b lo_ax
 // lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by; contact columns: slip rest_overlap.
-// placed: number of this rank's pairs that were found in its neighbour lists (local).
+// A pair that is in no neighbour list is not taken in.
 int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, const double *bond,
-                   long long contacts, const long long *contact_ids, const double *contact,
-                   long long *bonds_placed, long long *contacts_placed);
+                   long long contacts, const long long *contact_ids, const double *contact);
 void floe_count_pairs(void *instance, long long *bonds, long long *contacts);  // local
 void floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
                     double *contact);  // local

@@ -80,14 +80,12 @@ void get_bond(const double *h, double *row) {
 extern "C" {
 
 int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, const double *bond,
-                   long long contacts, const long long *contact_ids, const double *contact,
-                   long long *bonds_placed, long long *contacts_placed) {
+                   long long contacts, const long long *contact_ids, const double *contact) {
   return floe::guarded([&] {
     auto *lmp = static_cast<LAMMPS *>(instance);
     const floe::Parts parts = floe::find_parts(lmp);
     const auto bond_row = rows(bonds, bond_ids), contact_row = rows(contacts, contact_ids);
     const int size = parts.pair->dnum();
-    long long placed[2] = {0, 0};
     each_pair(lmp, [&](const Place &p) {
       const std::uint64_t pair_key = key(lmp->atom->tag[p.i], lmp->atom->tag[p.j]);
       *p.flag = 0;
@@ -96,7 +94,6 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
       if (b != bond_row.end()) {
         *p.flag = 1;
         put_bond(*parts.floe, bond + bond_columns * b->second, p.history);
-        placed[0] += speaks(lmp->atom, p);
         return;
       }
       const auto c = contact_row.find(pair_key);
@@ -104,10 +101,7 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
       *p.flag = 1;
       p.history[slot::slip] = contact[contact_columns * c->second];
       p.history[slot::rest_overlap] = contact[contact_columns * c->second + 1];
-      placed[1] += speaks(lmp->atom, p);
     });
-    *bonds_placed = placed[0];
-    *contacts_placed = placed[1];
   });
 }
 
