@@ -135,6 +135,13 @@ def _matching(scalars: xr.Dataset, prefix: str, suffix: str = "") -> dict[str, A
     }
 
 
+def _absolute_sum(terms: Mapping[str, Array], like: Array) -> Array:
+    total = np.zeros(like.shape)
+    for term in terms.values():
+        total = total + np.abs(term)
+    return total
+
+
 def momentum_budget(scalars: xr.Dataset, axis: str) -> Budget:
     """Momentum of the mobile elements along an axis over the dynamics of each window.
 
@@ -187,7 +194,7 @@ def ice_volume_budgets(scalars: xr.Dataset, volume: Array) -> list[Budget]:
         "m3",
         np.diff(volume),
         {**growth, "dynamics": moved},
-        volume[1:],
+        np.maximum(volume[1:], _absolute_sum(growth, moved)),
         windows,
         LIMITS["ice_volume"],
     )
@@ -202,6 +209,22 @@ def ice_volume_budgets(scalars: xr.Dataset, volume: Array) -> list[Budget]:
         LIMITS["ice_volume_dynamics"],
     )
     return [run, dynamics]
+
+
+def snow_volume_budget(scalars: xr.Dataset, volume: Array) -> Budget:
+    """Snow volume of the run; see `ice_volume_budgets`."""
+    terms = _matching(scalars, "snow_")
+    named = {name: term for name, term in terms.items() if not name.startswith("volume_")}
+    return Budget(
+        "snow_volume",
+        "Snow volume",
+        "m3",
+        np.diff(volume),
+        named,
+        np.maximum(volume[1:], _absolute_sum(named, volume[1:])),
+        scalars["window"].values,
+        LIMITS["ice_volume"],
+    )
 
 
 def column_energy_budget(scalars: xr.Dataset) -> Budget:
@@ -275,10 +298,3 @@ def grid_budget(name: str, label: str, unit: str, grid: xr.DataArray, elements: 
         LIMITS["grid"],
         stock=True,
     )
-
-
-def _absolute_sum(terms: Mapping[str, Array], like: Array) -> Array:
-    total = np.zeros(like.shape)
-    for term in terms.values():
-        total = total + np.abs(term)
-    return total

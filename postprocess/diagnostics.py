@@ -25,6 +25,7 @@ from floeflow.postprocess.budgets import (
     grid_budget,
     ice_volume_budgets,
     momentum_budget,
+    snow_volume_budget,
 )
 from floeflow.postprocess.collect import (
     read_cost,
@@ -94,6 +95,7 @@ def close_budgets(
     found = [momentum_budget(scalars, axis) for axis in "xy"]
     found += ice_volume_budgets(scalars, boundaries["ice_volume"].values)
     if "thermodynamics" in effects:
+        found.append(snow_volume_budget(scalars, boundaries["snow_volume"].values))
         found.append(column_energy_budget(scalars))
     kinetic, elastic = (
         change_over_windows(samples, name, scalars["window"].values)

@@ -135,7 +135,7 @@ def element_map(
             colours[~mobile[index]] = to_rgba(COAST)
             # A white outline tells few elements apart; of many it would hide the colours.
             edges = "#ffffff" if len(index) <= 3000 else colours
-            collection.set(facecolor=colours, edgecolor=edges, linewidth=0.25)
+            collection.set(facecolor=colours, edgecolor=edges, linewidth=0.3)
             axes.add_collection(collection, autolim=False)
         add_colour_bar(figure, axes, quantity, limits)
         if not mobile.any():

@@ -33,7 +33,7 @@ domain: {{x_min: {x0}, x_max: {x1}, y_min: {y0}, y_max: {y1}, spacing: {spacing}
 packing: {{elements: 200}}
 time: {{windows: {windows}, window: {window}}}
 forcing: {{cyclone: {{wind_speed: 12}}}}
-report: {{title: {title!r}, text: "A pack beside a coast."}}
+report: {{title: {title!r}, text: "A pack beside a coast.", dpi: 60}}
 """
 
 
@@ -252,12 +252,13 @@ def advance(state: xr.Dataset, window: int, scene: Scene) -> tuple[xr.Dataset, x
     if "thermodynamics" in scene.effects:
         grown = 0.01 * state["ice_fraction"].values * mobile[:, None]
         after["ice_volume"] = (("element", "category"), state["ice_volume"].values + grown)
+        after["snow_volume"] = 1.5 * state["snow_volume"]
     if "bonds" in scene.effects:
         after = _break(after, turns)
     after.attrs = {**state.attrs, "window": window, "time": window * WINDOW}
     series["ice_volume_end"] = _total(after, "ice_volume")
     if "thermodynamics" in scene.effects:
-        series = _column_terms(series, after)
+        series = _column_terms(series, state, after)
     if "intact_bonds" in series:
         count = np.linspace(state.sizes["bond"], after.sizes["bond"], series.sizes["sample"])
         series["intact_bonds"] = ("sample", np.round(count).astype(np.int64))
@@ -327,10 +328,10 @@ def _impulses(change: float, axis: str, effects: tuple[str, ...]) -> dict[str, f
     return {f"impulse_{name}_{axis}": value for name, value in parts.items()}
 
 
-def _column_terms(series: xr.Dataset, after: xr.Dataset) -> xr.Dataset:
+def _column_terms(series: xr.Dataset, state: xr.Dataset, after: xr.Dataset) -> xr.Dataset:
     grown = float(series["ice_volume_end"] - series["ice_volume_dynamics"])
     stored = -3.0e8 * grown
-    snow = _total(after, "snow_volume")
+    snow = [_total(each, "snow_volume") for each in (state, after)]
     return series.assign(
         growth_base=1.2 * grown,
         growth_new_ice=0.1 * grown,
@@ -339,8 +340,10 @@ def _column_terms(series: xr.Dataset, after: xr.Dataset) -> xr.Dataset:
         energy_atmosphere=1.1 * stored,
         energy_ocean=stored - 1.1 * stored,
         energy_stored=stored,
-        snow_volume_start=snow,
-        snow_volume_end=snow,
+        snow_snowfall=1.2 * (snow[1] - snow[0]),
+        snow_melt=-0.2 * (snow[1] - snow[0]),
+        snow_volume_start=snow[0],
+        snow_volume_end=snow[1],
     )
 
 
