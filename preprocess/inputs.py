@@ -16,6 +16,7 @@ from floeflow.config.blocks import Scene
 from floeflow.effects import forcing_variables
 from floeflow.errors import FloeError
 from floeflow.preprocess import cf, names, times
+from floeflow.preprocess.grids import scene_crs, scene_grid, to_lonlat
 
 CONCENTRATION = "sea_ice_area_fraction"
 
@@ -59,7 +60,7 @@ def nearest_time(
 
 
 def check_mask_file(scene: Scene) -> None:
-    """Refuse a mask file that the mask stage could not use.
+    """Refuse a projection or mask file that the mask stage could not use.
 
     Raises
     ------
@@ -67,6 +68,7 @@ def check_mask_file(scene: Scene) -> None:
         One sentence that names the file and the variable: no file, no NetCDF, damaged, no such
         variable, dimensions that are no map, no value at all.
     """
+    to_lonlat(scene_crs(scene.domain), *scene_grid(scene.domain).mesh())
     path = Path(scene.mask.file)
     if not scene.mask.file:
         raise FloeError("mask.file names no file")

@@ -55,4 +55,4 @@ def say(start: datetime, seconds: float) -> str:
         )
     except (ValueError, OverflowError):
         return f"{seconds:g} s after the start"
-    return str(date[0])[:19]
+    return str(np.asarray(date)[0])[:19]
