@@ -54,6 +54,8 @@ int floe_create_elements(void *instance, long long n, const long long *id, const
       fix->thickness[i] = row[thickness];
       fix->ice_area[i] = row[ice_area];
     }
+    // Or LIGGGHTS gives every element the fix's defaults when it first initialises.
+    fix->just_created = false;
     bigint local = atom->nlocal;
     MPI_Allreduce(&local, &atom->natoms, 1, MPI_LMP_BIGINT, MPI_SUM, lmp->world);
     if (atom->natoms != n) throw floe::LiggghtsError("elements lie outside of the box");
