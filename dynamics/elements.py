@@ -32,8 +32,8 @@ def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
     Returns
     -------
     dict of ndarray, shape (n,)
-        id, type, x, y, theta, u, v, omega, radius, mass (kg), thickness (m, of the ice-covered
-        part), ice_area (m2).
+        id, type, x, y, theta, u, v, omega, radius, mass (kg), thickness (m, `bearing_thickness`),
+        ice_area (m2).
     """
     arrays = {name: state[name].values.copy() for name in ("id", "type", *MOVED, "radius")}
     area = state["area"].values
@@ -43,7 +43,7 @@ def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
     if "snow_volume" in state:
         load = load + SNOW_DENSITY * state["snow_volume"].values.sum(axis=1)
     arrays["mass"] = area * load
-    arrays["thickness"] = np.maximum(mean_thickness(state), minimum_thickness)
+    arrays["thickness"] = np.maximum(bearing_thickness(state), minimum_thickness)
     arrays["ice_area"] = area * fraction
     _fill_coast(arrays, minimum_thickness)
     return arrays
@@ -60,11 +60,13 @@ def _fill_coast(arrays: Arrays, minimum_thickness: float) -> None:
     arrays["ice_area"][coast] = 0.0
 
 
-def mean_thickness(state: xr.Dataset) -> np.ndarray:
-    """Mean thickness of the ice-covered part of each element, m, shape (n,); 0 without ice."""
-    fraction = state["ice_fraction"].values.sum(axis=1)
-    volume = state["ice_volume"].values.sum(axis=1)
-    return np.divide(volume, fraction, out=np.zeros_like(volume), where=fraction > 0)
+def bearing_thickness(state: xr.Dataset) -> np.ndarray:
+    """Thickness that bears load, m, shape (n,): ice volume per effective area.
+
+    Ice that covers a share of its element bears over that share of a bond or contact. Mass and
+    stiffness then shrink together, so thin or open ice asks for no shorter step.
+    """
+    return np.asarray(state["ice_volume"].values.sum(axis=1))
 
 
 def pair_arrays(state: xr.Dataset, kind: str) -> Arrays:
@@ -104,7 +106,7 @@ def thin_bonds(state: xr.Dataset) -> xr.Dataset:
     """
     if "bond_thickness" not in state:
         return state
-    thickness = mean_thickness(state)
+    thickness = bearing_thickness(state)
     ids = state["id"].values
     lo = thickness[np.searchsorted(ids, state["bond_id_lo"].values)]
     hi = thickness[np.searchsorted(ids, state["bond_id_hi"].values)]

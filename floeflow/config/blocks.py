@@ -97,6 +97,9 @@ class Packing(Block):
         ge=0,
         le=1,
     )
+    bond_concentration: float = key(
+        0.8, "Elements with less ice than this are floes apart: no bonds.", "1", ge=0, le=1
+    )
 
 
 class Cyclone(Block):
@@ -157,7 +160,7 @@ class Time(Block):
 class Dynamics(Block):
     """The discrete element model."""
 
-    step_share: float = key(0.2, "Time step as a share of the critical one.", "1", gt=0, le=1)
+    step_share: float = key(0.4, "Time step as a share of the critical one.", "1", gt=0, le=1)
     young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", gt=0)
     poisson_ratio: float = key(0.3, "Poisson's ratio of the ice.", "1", ge=0, lt=0.5)
     contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", gt=0)
@@ -169,9 +172,9 @@ class Dynamics(Block):
     strength: Literal["constant", "kovacs_sodhi"] = key(
         "constant", "Compressive strength: constant, or 1285 kPa (h / 1 m)^(2/3)."
     )
-    compressive_strength: float = key(1.0e6, "Compressive strength of a bond.", "Pa", gt=0)
+    compressive_strength: float = key(1.0e5, "Compressive strength of a bond.", "Pa", gt=0)
     tensile_share: float = key(
-        0.1, "Tensile strength as a share of the compressive.", "1", gt=0, le=1
+        0.2, "Tensile strength as a share of the compressive.", "1", gt=0, le=1
     )
     friction_angle: float = key(
         35.0, "Angle of internal friction (Mohr-Coulomb).", "degree", ge=0, lt=90

@@ -19,7 +19,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "land": ("domain", "mask.refine", "mask.land"),
     "mask": ("domain", "mask"),
     "packing": ("seed", "domain", "packing", "effects"),
-    "bonds": ("packing.bond_gap",),
+    "bonds": ("packing.bond_gap", "packing.bond_concentration"),
     "forcing": ("domain", "forcing", "time.start", "time.window", "effects"),
     "initial": ("time.start", "effects", "column.ocean_salinity"),
     "dynamics": ("effects", "dynamics", "time.window"),
