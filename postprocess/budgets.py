@@ -177,12 +177,8 @@ def momentum_budget(scalars: xr.Dataset, axis: str) -> Budget:
 def ice_volume_budgets(scalars: xr.Dataset, volume: Array) -> list[Budget]:
     """Ice volume of the run, and what the dynamics did to it (nothing, to round-off).
 
-    Parameters
-    ----------
-    scalars : xarray.Dataset
-        Budget scalars of the series on the dimension ``window``.
-    volume : ndarray
-        Ice volume in the states at the window boundaries (m3), (window + 1,).
+    The scalars are as in `momentum_budget`; ``volume`` is that of the states at the window
+    boundaries (m3), (window + 1,).
     """
     start = scalars["ice_volume_start"].values.astype(float)
     moved = scalars["ice_volume_dynamics"].values.astype(float) - start

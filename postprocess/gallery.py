@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import timedelta
 from pathlib import Path
 from typing import Any
@@ -105,7 +105,7 @@ def moments(scene: Scene, first: xr.Dataset, last: xr.Dataset) -> dict[str, str]
 def speed_scale(scene: Scene) -> Quantity:
     """Drift speed with the scene's own top of the scale, if it sets one."""
     top = scene.report.maximum_velocity
-    return Quantity(SPEED.name, SPEED.label, SPEED.colours, 0.0, top if top > 0 else None)
+    return replace(SPEED, high=top if top > 0 else None)
 
 
 def element_pictures(
@@ -144,16 +144,19 @@ def _displacement_picture(
     easel: Easel, frame: Frame, first: xr.Dataset, last: xr.Dataset, cells: xr.Dataset
 ) -> Picture:
     moved, step = displacement(first, last)
-    distance = np.hypot(step[:, 0], step[:, 1]) / 1e3
+    place = np.searchsorted(last["id"].values, moved["id"].values)
+    along = np.zeros((last.sizes["element"], 2))
+    along[place] = step / 1e3
+    distance = np.hypot(along[:, 0], along[:, 1])
     figure = element_map(
         frame,
-        moved,
-        element_shapes(moved, cells),
+        last,
+        element_shapes(last, cells),
         distance,
         DISTANCE,
         common_limits(DISTANCE, distance),
         "Net displacement in the run",
-        (step[:, 0] / 1e3, step[:, 1] / 1e3, "km"),
+        (along[:, 0], along[:, 1], "km"),
     )
     caption = "Net displacement of the elements from the start to the end, drawn at their end."
     return easel.picture("elements_displacement", caption, figure)

@@ -124,7 +124,8 @@ def cards(numbers: Mapping[str, Any], wall_seconds: float) -> list[Card]:
         Card(
             "DEM time step",
             f"{number(numbers.get('time_step'), 3)} s",
-            f"{number(numbers['steps'])} steps" + (f", limited by the {limit}" if limit else ""),
+            f"{number(numbers['steps'])} steps"
+            + (f", limited by a {str(limit).split()[0]}" if limit else ""),
         )
     )
     found.append(Card("Wall time", duration(wall_seconds), "all timed stages"))

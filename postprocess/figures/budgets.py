@@ -89,7 +89,7 @@ def _write_values(axes: Any, shown: np.ndarray, places: np.ndarray) -> None:
         axes.text(
             value + side * 0.015 * reach,
             place,
-            f"{value:.3g}",
+            f"{value if abs(value) > 1e-9 * reach else 0:.3g}".replace("-", "−"),
             ha="left" if side > 0 else "right",
             va="center",
             fontsize=8,

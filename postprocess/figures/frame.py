@@ -211,6 +211,9 @@ def _label_parallel(axes: Axes, frame: Frame, x: np.ndarray, y: np.ndarray, text
     margin = (across > 0.06) & (across < 0.94) & (up > 0.05) & (up < 0.95)
     if not margin.any():
         return
+    margin &= ~_near_labels(axes, x, y)
+    if not margin.any():
+        return
     off = np.where(margin, np.abs(across + up - 1.0) + 0.3 * (across < 0.5), np.inf)
     place = int(np.argmin(off))
     _text(axes, x[place], y[place], text)
@@ -222,11 +225,21 @@ def _label_meridian(axes: Axes, frame: Frame, x: np.ndarray, y: np.ndarray, text
     across, up = (x - left) / (right - left), (y - bottom) / (top - bottom)
     edge = np.minimum(np.minimum(across, 1 - across) - 0.03, np.minimum(up, 1 - up))
     corner = (across < 0.36) & (up < 0.17)
-    usable = np.isfinite(edge) & (edge > 0.025) & ~corner
+    usable = np.isfinite(edge) & (edge > 0.025) & ~corner & ~_near_labels(axes, x, y)
     if not usable.any():
         return
     place = int(np.argmin(np.where(usable, edge, np.inf)))
     _text(axes, x[place], y[place], text)
+
+
+def _near_labels(axes: Axes, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Where a label would touch one that is there already."""
+    wide, high = (np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim()))
+    near = np.zeros(x.shape, dtype=bool)
+    for text in axes.texts:
+        there_x, there_y = text.get_position()
+        near |= (np.abs(x - there_x) < 0.1 * wide) & (np.abs(y - there_y) < 0.04 * high)
+    return near
 
 
 def _text(axes: Axes, x: float, y: float, text: str) -> None:

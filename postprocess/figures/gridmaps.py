@@ -85,7 +85,8 @@ def grid_map(
             vmax=limits[1],
             zorder=0.5,
         )
-        add_colour_bar(figure, axes, quantity, limits)
+        beyond = bool(np.nanmax(values, initial=limits[1]) > limits[1])
+        add_colour_bar(figure, axes, quantity, limits, beyond)
         ice = np.isfinite(values)
         if not ice.any():
             say_no_ice(axes)

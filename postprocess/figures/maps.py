@@ -137,7 +137,8 @@ def element_map(
             edges = "#ffffff" if len(index) <= 3000 else colours
             collection.set(facecolor=colours, edgecolor=edges, linewidth=0.3)
             axes.add_collection(collection, autolim=False)
-        add_colour_bar(figure, axes, quantity, limits)
+        beyond = bool(np.nanmax(values, initial=limits[1]) > limits[1])
+        add_colour_bar(figure, axes, quantity, limits, beyond)
         if not mobile.any():
             say_no_ice(axes)
         elif arrows is not None:
@@ -172,11 +173,12 @@ def shape_collections(
 
 
 def add_colour_bar(
-    figure: Figure, axes: Axes, quantity: Quantity, limits: tuple[float, float]
+    figure: Figure, axes: Axes, quantity: Quantity, limits: tuple[float, float], beyond: bool
 ) -> None:
-    """Colour bar of a quantity beside a map."""
+    """Colour bar of a quantity beside a map, pointed where values lie beyond its end."""
     mappable = ScalarMappable(Normalize(*limits), quantity.cmap)
-    bar = figure.colorbar(mappable, ax=axes, shrink=0.86, pad=0.02, aspect=28)
+    extend = "max" if beyond else "neither"
+    bar = figure.colorbar(mappable, ax=axes, shrink=0.86, pad=0.02, aspect=28, extend=extend)
     bar.set_label(quantity.label)
     bar.ax.tick_params(labelsize=8)
     bar.outline.set_linewidth(0.6)
@@ -228,7 +230,10 @@ def draw_arrows(
 ) -> None:
     """Arrows of box means with a key of a round length; nothing where all are at rest."""
     x, y, u, v = box_means(frame, x, y, u, v)
-    largest = float(np.hypot(u, v).max(initial=0.0))
+    lengths = np.hypot(u, v)
+    # Most arrows of a fitting length; the few fastest may reach further.
+    typical = float(np.quantile(lengths, 0.95)) if lengths.any() else 0.0
+    largest = typical or float(lengths.max(initial=0.0))
     if not largest > 0:
         axes.text(
             0.98,

@@ -72,12 +72,19 @@ def series_figures(
     )
     volume = data["ice_volume"].values
     scale, name = pick_unit(VOLUME_UNITS, volume)
-    lines = [(at, volume / scale, "ice", BLUE, "-o")]
-    caption = "Ice volume of all elements at the window boundaries."
+    yield (
+        "series_volume",
+        "Ice volume of all elements at the window boundaries.",
+        _figure(axis, f"Ice volume ({name})", [(at, volume / scale, "", BLUE, "-o")]),
+    )
     if "thermodynamics" in effects:
-        lines.append((at, data["snow_volume"].values / scale, "snow", VERMILION, "--s"))
-        caption = "Volume of ice and snow at the window boundaries."
-    yield "series_volume", caption, _figure(axis, f"Volume ({name})", lines)
+        snow = data["snow_volume"].values
+        scale, name = pick_unit(VOLUME_UNITS, snow)
+        yield (
+            "series_snow",
+            "Snow volume on all elements at the window boundaries.",
+            _figure(axis, f"Snow volume ({name})", [(at, snow / scale, "", VERMILION, "-s")]),
+        )
 
     kinetic, elastic = data["kinetic_energy"].values, data["elastic_energy"].values
     scale, name = pick_unit(ENERGY_UNITS, kinetic, elastic)

@@ -72,6 +72,9 @@ class Quantity:
         Name of a cmocean map.
     low, high : float or None
         Ends of the scale; None: from the data.
+    share : float
+        Share of the data below the upper end where that comes from the data: a few fast elements
+        must not bleach all others.
     """
 
     name: str
@@ -79,6 +82,7 @@ class Quantity:
     colours: str
     low: float | None = 0.0
     high: float | None = None
+    share: float = 1.0
 
     @property
     def cmap(self) -> Colormap:
@@ -100,8 +104,8 @@ CONCENTRATION = Quantity("concentration", "Ice concentration (1)", "ice", 0.0, 1
 THICKNESS = Quantity("thickness", "Ice thickness (m)", "dense")
 VOLUME = Quantity("volume", "Ice volume per area (m)", "dense")
 SNOW = Quantity("snow", "Snow thickness on ice (m)", "tempo")
-SPEED = Quantity("speed", "Drift speed (m/s)", "amp")
-DISTANCE = Quantity("distance", "Net displacement (km)", "amp")
+SPEED = Quantity("speed", "Drift speed (m/s)", "amp", share=0.99)
+DISTANCE = Quantity("distance", "Net displacement (km)", "amp", share=0.99)
 
 
 @contextmanager
@@ -153,7 +157,9 @@ def common_limits(quantity: Quantity, *fields: np.ndarray) -> tuple[float, float
     values = np.concatenate([np.ravel(field) for field in fields]) if fields else np.zeros(0)
     values = values[np.isfinite(values)]
     low = quantity.low if quantity.low is not None else float(values.min(initial=0.0))
-    high = quantity.high if quantity.high is not None else float(values.max(initial=low))
+    high = quantity.high
+    if high is None:
+        high = float(np.quantile(values, quantity.share)) if values.size else low
     return low, high if high > low else low + 1.0
 
 

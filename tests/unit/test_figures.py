@@ -59,6 +59,8 @@ def test_common_limits():
     assert style.common_limits(style.CONCENTRATION, *fields) == (0.0, 1.0)
     assert style.common_limits(style.THICKNESS, np.array([np.nan])) == (0.0, 1.0)
     assert style.common_limits(style.THICKNESS) == (0.0, 1.0)
+    one_fast = np.concatenate([np.full(999, 0.2), [30.0]])
+    assert style.common_limits(style.SPEED, one_fast) == (0.0, 0.2)
 
 
 @pytest.mark.parametrize(
@@ -154,6 +156,18 @@ def test_elements_at_rest_get_no_arrows(run: Run, frame: Frame):
         frame, state, shapes, zero, style.SPEED, (0, 1), "Speed", (zero, zero, "m/s")
     )
     assert "at rest" in texts(figure)
+
+
+def test_colour_bar_is_pointed_where_values_lie_beyond(run: Run, frame: Frame):
+    packing = make_packing()
+    state = first_state(packing, run.scene)
+    shapes, values = maps.element_shapes(state, packing), np.full(state.sizes["element"], 0.5)
+    bars = []
+    for top in (0.4, 0.5):
+        figure = maps.element_map(frame, state, shapes, values, style.SPEED, (0, top), "Speed")
+        figure.canvas.draw()
+        bars.append(len(figure.axes[1].patches))
+    assert bars == [1, 0]
 
 
 def test_box_means_keep_the_sum(frame: Frame):
