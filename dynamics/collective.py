@@ -35,7 +35,7 @@ def on_root(comm: MPI.Comm, function: Callable[..., T], *arguments: object) -> T
     result, fault = comm.bcast(outcome)
     if fault is not None:
         raise FloeError(fault)
-    return result  # type: ignore[no-any-return]
+    return result
 
 
 def on_all(comm: MPI.Comm, function: Callable[..., T], *arguments: object) -> T:

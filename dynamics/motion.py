@@ -81,8 +81,8 @@ def choose_step(scene: Scene, elements: Arrays, bonds: Arrays | None) -> tuple[f
 
 def engine_forcing(forcing: xr.Dataset, needed: tuple[str, ...]) -> Forcing:
     """Fields that the engine's switches need, from a window's forcing."""
-    axes = (forcing[axis].values for axis in ("time", "x", "y"))
-    return Forcing(*axes, {name: forcing[name].values for name in needed})
+    fields = {name: forcing[name].values for name in needed}
+    return Forcing(forcing["time"].values, forcing["x"].values, forcing["y"].values, fields)
 
 
 def move(

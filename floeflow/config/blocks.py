@@ -17,7 +17,7 @@ PlainName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}
 
 def key(default: Any, text: str, unit: str = "", **bounds: Any) -> Any:
     """Declare a key: its default, one line of help, its unit, its bounds."""
-    extra = {"unit": unit} if unit else None
+    extra: dict[str, Any] | None = {"unit": unit} if unit else None
     return Field(default, description=text, json_schema_extra=extra, **bounds)
 
 

@@ -138,9 +138,9 @@ def check_state(state: xr.Dataset) -> None:
         if name not in state:
             raise FloeError(f"variable '{name}' is missing")
         _check_variable(name, state[name])
-    for name in state.variables:
-        if name not in expected:
-            raise FloeError(f"variable '{name}' is not of this scene's effects")
+    for extra in state.variables:
+        if extra not in expected:
+            raise FloeError(f"variable '{extra}' is not of this scene's effects")
     _check_order(state)
 
 
