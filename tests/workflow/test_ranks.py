@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One rank against two: the same bonds and positions at first, the same statistics later."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import xarray as xr
+from runner import Done, Place
+
+from floeflow.state import read_dataset, read_state
+
+pytestmark = pytest.mark.workflow
+
+SHORT = 9000.0  # s: a little over 1000 steps
+
+
+def restarted(copy: Callable[[], Place], ranks: int, **changes: dict) -> tuple[Place, str]:
+    """Run the windows of a copied scene again, on so many ranks."""
+    place = copy()
+    for folder in ("state", "series", "cost", ".windows", "forcing"):
+        shutil.rmtree(place.results() / folder)
+    scene = place.scene(**changes)
+    windows = changes.get("time", {}).get("windows", 3)
+    last = f"results/smoke/state/{windows:04d}.nc"
+    done = place.run(scene, last, ranks=ranks)
+    assert done.returncode == 0, done.stdout
+    return place, last
+
+
+def positions(state: xr.Dataset) -> np.ndarray:
+    return np.column_stack([state["x"].values, state["y"].values])
+
+
+def test_the_first_thousand_steps_agree(smoke: Done, copy: Callable[[], Place]):
+    changes = {
+        "time": {"windows": 1, "window": SHORT},
+        "forcing": {"step": SHORT},
+        "dynamics": {"samples": 1},
+    }
+    states, steps = [], []
+    for ranks in (1, 2):
+        place, last = restarted(copy, ranks, **changes)
+        states.append(read_state(place.folder / last))
+        cost = json.loads((place.results() / "cost/0001.json").read_text())
+        steps += [r["steps"] for r in cost if r["name"] == "dynamics"]
+        assert all(r["ranks"] == ranks for r in cost)
+        shutil.rmtree(place.folder)
+    one, two = states
+    assert steps[0] == steps[1] >= 1000
+    for name in ("bond_id_lo", "bond_id_hi"):
+        assert np.array_equal(one[name].values, two[name].values)
+    for name in ("bond_crack_a", "bond_crack_b"):
+        assert one[name].values == pytest.approx(two[name].values, abs=1e-9)
+    start = read_state(smoke.results / "state/0000.nc")
+    broken = start.sizes["bond"] - one.sizes["bond"]
+    cracked = np.count_nonzero(one["bond_crack_a"].values + one["bond_crack_b"].values)
+    assert broken + cracked > 0, "nothing cracked, so nothing was compared"
+    scale = np.abs(positions(one)).max()
+    assert np.abs(positions(one) - positions(two)).max() <= 1e-9 * scale
+
+
+def test_later_the_statistics_agree(smoke: Done, copy: Callable[[], Place]):
+    place, last = restarted(copy, 1)
+    start = read_state(smoke.results / "state/0000.nc")
+    one, two = read_state(place.folder / last), read_state(smoke.place.folder / last)
+    mobile = start["type"].values == 1
+    drift = [
+        np.linalg.norm((positions(end) - positions(start))[mobile], axis=1) for end in (one, two)
+    ]
+    assert drift[0].mean() == pytest.approx(drift[1].mean(), rel=0.02)
+    broken = [start.sizes["bond"] - end.sizes["bond"] for end in (one, two)]
+    # Bonds break one by one: their number scatters as its square root.
+    assert abs(broken[0] - broken[1]) <= 3.0 * np.sqrt(max(broken))
+    ends = [read_dataset(p.results() / "series/0003.nc") for p in (place, smoke.place)]
+    volumes = [end["ice_volume_end"].item() for end in ends]
+    assert volumes[0] == pytest.approx(volumes[1], rel=1e-4)
