@@ -34,8 +34,8 @@ def bonded_edges(packing: xr.Dataset, bond_gap: float, minimum: float) -> np.nda
     Returns
     -------
     ndarray of bool
-        (edge,): both elements hold ice of at least that concentration, and the gap d - r_i - r_j is under
-        ``bond_gap`` (r_i + r_j) or no more than round-off.
+        (edge,): both elements hold ice of at least that concentration, and the gap d - r_i - r_j
+        is under ``bond_gap`` (r_i + r_j) or no more than round-off.
     """
     lo, hi = packing["edge_lo"].values - 1, packing["edge_hi"].values - 1
     x, y, radius = (packing[name].values for name in ("x", "y", "radius"))

@@ -167,10 +167,10 @@ def source_grid(
         return source
     # Start behind the widest gap, so that a regional grid across Greenwich stays in one piece.
     gaps = np.diff(np.append(x_axis, x_axis[0] + 360.0))
-    start = (int(np.argmax(gaps)) + 1) % x_axis.size
+    periodic = bool(gaps.max() <= 1.5 * np.median(gaps))
+    start = 0 if periodic else (int(np.argmax(gaps)) + 1) % x_axis.size
     x_axis = np.concatenate([x_axis[start:], x_axis[:start] + 360.0])
     order_x = np.roll(order_x, -start)
-    periodic = bool(gaps.max() <= 1.5 * np.median(gaps))
     reach = 1.01 * float(np.median(np.diff(y_axis)))
     south = periodic and -90.0 < y_axis[0] <= -90.0 + reach
     north = periodic and 90.0 - reach <= y_axis[-1] < 90.0

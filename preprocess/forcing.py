@@ -196,7 +196,13 @@ def _vector(file: _File, name: str, item: names.FoundVector) -> tuple[Array, Arr
         angle = vectors.north_angle(source.crs, lon, lat)
         east, north = vectors.map_to_east_north(east, north, angle)
     u, v = vectors.east_north_to_map(east, north, vectors.north_angle(file.crs, lon, lat))
-    return seconds, found.apply(source.padded(u)), found.apply(source.padded(v))
+    at_scene = found.apply(source.padded(u)), found.apply(source.padded(v))
+    if not (np.isfinite(at_scene[0]).all() and np.isfinite(at_scene[1]).all()):
+        raise FloeError(
+            f"{file.path}: '{item.u.name}' and '{item.v.name}' cannot be turned to the axes of "
+            f"'{file.scene.domain.crs}' everywhere in the scene"
+        )
+    return seconds, *at_scene
 
 
 def _at_times(seconds: Array, values: Array, wanted: Array) -> Array:

@@ -141,7 +141,8 @@ def to_lonlat(crs: pyproj.CRS, x: Array, y: Array) -> tuple[Array, Array]:
 def from_lonlat(crs: pyproj.CRS, lon: Array, lat: Array) -> tuple[Array, Array]:
     """Projected points (m) of longitudes and latitudes (degrees) on the projection's ellipsoid."""
     transformer = pyproj.Transformer.from_crs(geodetic(crs), crs, always_xy=True)
-    x, y = transformer.transform(lon, lat)
+    # PROJ refuses longitudes of several turns.
+    x, y = transformer.transform(np.mod(lon, 360.0), lat)
     return np.asarray(x, dtype=float), np.asarray(y, dtype=float)
 
 

@@ -155,9 +155,12 @@ def blue_noise(grid: Grid, ice: Flags, elements: int, generator: np.random.Gener
 
 
 def on_ice(grid: Grid, ice: Flags, points: Array) -> Flags:
-    """Whether points lie in cells with ice."""
-    row, column = grid.cell_of(points[:, 0], points[:, 1])
-    return np.asarray(ice[row, column])
+    """Whether points lie in cells with ice; none off the grid does."""
+    x, y = points[:, 0], points[:, 1]
+    row, column = grid.cell_of(x, y)
+    inside = (x >= grid.x_edges[0]) & (x <= grid.x_edges[-1])
+    inside &= (y >= grid.y_edges[0]) & (y <= grid.y_edges[-1])
+    return np.asarray(ice[row, column] & inside)
 
 
 def lloyd(grid: Grid, ice: Flags, points: Array, marks: Array, steps: int) -> Array:

@@ -1,0 +1,384 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Forcing on the scene grid: turned by the right angle, in SI, in time, nothing missing used."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pyproj
+import pytest
+import xarray as xr
+
+from floeflow.config.blocks import Cyclone, Gyre, Scene
+from floeflow.effects import EFFECTS, forcing_variables
+from floeflow.errors import FloeError
+from floeflow.preprocess import analytic, forcing, grids, vectors
+
+POLE = {"x_min": -5e5, "x_max": 5e5, "y_min": -5e5, "y_max": 5e5, "spacing": 1e5}
+AWAY = {"x_min": -2e6, "x_max": -1e6, "y_min": 4e5, "y_max": 1.2e6, "spacing": 1e5}
+HOURS = np.arange(0.0, 49.0, 6.0)
+UNITS = "hours since 1981-12-31 00:00:00"
+
+
+def scene_of(domain: dict[str, Any] = POLE, **changes: Any) -> Scene:
+    values = {"name": "t", "domain": domain, "effects": ("wind",), "time": {"windows": 2}}
+    return Scene.model_validate(values | changes)
+
+
+def places(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    grid = grids.scene_grid(scene.domain)
+    return grids.to_lonlat(grids.scene_crs(scene.domain), *grid.mesh())
+
+
+def file_with(**fields: tuple[np.ndarray | float, dict[str, str]]) -> xr.Dataset:
+    """A file of given fields on a 2 degree grid, every 6 hours for two days."""
+    lat, lon = np.arange(50.0, 90.0, 2.0), np.arange(0.0, 360.0, 2.0)
+    data = xr.Dataset(
+        coords={
+            "time": ("time", HOURS, {"units": UNITS}),
+            "lat": ("lat", lat, {"units": "degrees_north"}),
+            "lon": ("lon", lon, {"units": "degrees_east"}),
+        }
+    )
+    for name, (values, attrs) in fields.items():
+        full = np.broadcast_to(np.asarray(values, dtype=float), (9, lat.size, lon.size))
+        data[name] = (("time", "lat", "lon"), full.copy(), attrs)
+    return data
+
+
+def wind(u: np.ndarray | float, v: np.ndarray | float, units: str = "m s-1") -> xr.Dataset:
+    return file_with(
+        u10=(u, {"standard_name": "eastward_wind", "units": units}),
+        v10=(v, {"standard_name": "northward_wind", "units": units}),
+    )
+
+
+@pytest.mark.parametrize(
+    ("lon", "along"),
+    # EPSG:6931 has Greenwich downwards: east there points to +x.
+    [(0.0, (1, 0)), (90.0, (0, 1)), (180.0, (-1, 0)), (-90.0, (0, -1))],
+)
+@pytest.mark.parametrize("crs", ["EPSG:6931", "+proj=stere +lat_0=90 +lat_ts=70 +lon_0=0"])
+def test_a_purely_eastward_wind(crs: str, lon: float, along: tuple[int, int]) -> None:
+    angle = vectors.north_angle(pyproj.CRS(crs), np.array([lon]), np.array([75.0]))
+    u, v = vectors.east_north_to_map(np.array([10.0]), np.array([0.0]), angle)
+    assert (u[0], v[0]) == pytest.approx((10.0 * along[0], 10.0 * along[1]), abs=1e-6)
+
+
+def test_north_points_to_the_pole_everywhere() -> None:
+    crs = pyproj.CRS("EPSG:6931")
+    x, y = np.meshgrid(np.linspace(-3e6, 3e6, 13) + 1e3, np.linspace(-3e6, 3e6, 13) + 2e3)
+    angle = vectors.north_angle(crs, *grids.to_lonlat(crs, x, y))
+    u, v = vectors.east_north_to_map(np.zeros_like(x), np.ones_like(x), angle)
+    distance = np.hypot(x, y)
+    np.testing.assert_allclose(u, -x / distance, atol=1e-7)
+    np.testing.assert_allclose(v, -y / distance, atol=1e-7)
+
+
+def test_at_the_pole_north_is_that_of_the_meridian() -> None:
+    crs = pyproj.CRS("EPSG:6931")
+    lon = np.array([0.0, 90.0, 200.0])
+    at_pole = vectors.north_angle(crs, lon, np.full(3, 90.0))
+    below = vectors.north_angle(crs, lon, np.full(3, 89.0))
+    np.testing.assert_allclose(np.exp(1j * at_pole), np.exp(1j * below), atol=1e-9)
+
+
+@pytest.mark.parametrize("turns", [-2, -1, 1, 3])
+def test_longitude_may_count_any_number_of_turns(turns: int) -> None:
+    crs, lon = pyproj.CRS("EPSG:6931"), np.array([10.0, 200.0])
+    plain = vectors.north_angle(crs, lon, np.full(2, 80.0))
+    turned = vectors.north_angle(crs, lon + 360.0 * turns, np.full(2, 80.0))
+    np.testing.assert_allclose(turned, plain, atol=1e-6)
+
+
+def test_turning_there_and_back_keeps_the_vector() -> None:
+    rng = np.random.default_rng(2)
+    u, v, angle = rng.normal(size=(3, 100))
+    there = vectors.east_north_to_map(u, v, angle)
+    np.testing.assert_allclose(np.hypot(*there), np.hypot(u, v), rtol=1e-14)
+    np.testing.assert_allclose(vectors.map_to_east_north(*there, angle), (u, v), atol=1e-14)
+
+
+def test_a_straight_wind_over_the_pole_stays_straight(tmp_path: Path) -> None:
+    """10 m/s along the Greenwich meridian over the pole: along +y on the map of EPSG:6931."""
+    lon = np.radians(np.arange(0.0, 360.0, 2.0))
+    wind(10 * np.sin(-lon) * -1, 10 * np.cos(lon)).to_netcdf(tmp_path / "w.nc")
+    made = forcing.make_forcing(scene_of(), tmp_path / "w.nc", 1)
+    speed = np.hypot(made["wind_u"], made["wind_v"]).values
+    assert speed == pytest.approx(np.full(speed.shape, 10.0), rel=1e-3)
+    assert made["wind_v"].values == pytest.approx(speed, rel=1e-3)
+
+
+def test_bilinear_interpolation_of_a_known_field(tmp_path: Path) -> None:
+    scene = scene_of(AWAY, effects=("thermodynamics",))
+    lon, lat = places(scene)
+    data = analytic.make_analytic(scene, 1)
+    mesh_lon, mesh_lat = np.meshgrid(data["lon"], data["lat"])
+    # Bilinear in longitude and latitude, so the interpolation is exact.
+    data["t2m"].values[:] = 200.0 + 0.5 * mesh_lat + 0.1 * (mesh_lon % 360 - 200) * 0.5
+    data.to_netcdf(tmp_path / "f.nc")
+    made = forcing.make_forcing(scene, tmp_path / "f.nc", 1)
+    expected = 200.0 + 0.5 * lat + 0.1 * (lon % 360 - 200) * 0.5
+    np.testing.assert_allclose(made["air_temperature"][0], expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("domain", [POLE, AWAY])
+def test_analytic_forcing_comes_through(tmp_path: Path, domain: dict[str, Any]) -> None:
+    """What was written as east and north on a globe comes back as the scene's own formula."""
+    cyclone = {"x": -1.5e6, "y": 8e5, "radius": 9e5, "u": 4.0, "v": -2.0}
+    scene = scene_of(
+        domain,
+        effects=tuple(EFFECTS),
+        forcing={"cyclone": cyclone, "gyre": {"x": 1e5, "y": 2e5, "radius": 8e5}},
+    )
+    analytic.write_cf(analytic.make_analytic(scene, 2), tmp_path / "a.nc")
+    made = forcing.make_forcing(scene, tmp_path / "a.nc", 2)
+    assert list(made["time"].values) == [86400.0 + 21600.0 * k for k in range(5)]
+    assert set(made.data_vars) == set(forcing_variables(scene.effects))
+    x, y = np.meshgrid(made["x"], made["y"])
+    for k, time in enumerate(made["time"].values):
+        u, v = analytic.cyclone_wind(scene.forcing.cyclone, x, y, time, northern=True)
+        error = np.hypot(made["wind_u"][k] - u, made["wind_v"][k] - v).values
+        # The kink at the radius of the largest wind is rounded off.
+        assert error.max() < 0.5 and np.median(error) < 0.02
+        u, v = analytic.gyre_current(scene.forcing.gyre, x, y)
+        error = np.hypot(made["ocean_u"][k] - u, made["ocean_v"][k] - v).values
+        assert error.max() < 5e-4
+    assert float(made["air_temperature"][0, 0, 0]) == pytest.approx(248.15, abs=1e-4)
+
+
+def test_windows_meet(tmp_path: Path) -> None:
+    scene = scene_of(AWAY)
+    for window in (1, 2):
+        analytic.write_cf(analytic.make_analytic(scene, window), tmp_path / f"{window}.nc")
+    first, second = (forcing.make_forcing(scene, tmp_path / f"{w}.nc", w) for w in (1, 2))
+    assert first["time"].values[-1] == second["time"].values[0]
+    np.testing.assert_array_equal(first["wind_u"][-1], second["wind_u"][0])
+
+
+def test_cyclone_turns_by_hemisphere_and_travels() -> None:
+    cyclone = Cyclone(x=0.0, y=0.0, u=10.0, v=0.0, inflow_angle=0.0, wind_speed=20.0, radius=5e5)
+    x, y = np.array([5e5, 2.5e5, 1e6]), np.zeros(3)
+    u, v = analytic.cyclone_wind(cyclone, x, y, 0.0, northern=True)
+    assert u == pytest.approx([0, 0, 0]) and v == pytest.approx([20, 10, 10])
+    _, south = analytic.cyclone_wind(cyclone, x, y, 0.0, northern=False)
+    assert south == pytest.approx(-v)
+    _, later = analytic.cyclone_wind(cyclone, x + 3.6e5, y, 36000.0, northern=True)
+    assert later == pytest.approx(v)
+    inward = cyclone.model_copy(update={"inflow_angle": 90.0})
+    u, v = analytic.cyclone_wind(inward, x, y, 0.0, northern=True)
+    assert u == pytest.approx([-20, -10, -10]) and v == pytest.approx([0, 0, 0], abs=1e-12)
+
+
+def test_gyre_is_fastest_at_its_radius_and_clockwise() -> None:
+    gyre = Gyre(x=0.0, y=0.0, radius=4e5, current_speed=0.1)
+    x = np.linspace(0, 2e6, 2001)
+    u, v = analytic.gyre_current(gyre, x, np.zeros_like(x))
+    assert x[np.argmin(v)] == pytest.approx(4e5, abs=1e3)
+    assert v.min() == pytest.approx(-0.1, rel=1e-6)
+    assert np.abs(u).max() == 0.0
+
+
+def test_humidity_of_known_weather() -> None:
+    # Saturation over ice: 611 Pa at 0 C, 103 Pa at -20 C (WMO tables).
+    assert float(analytic.saturation_over_ice(273.15)) == pytest.approx(610.7, rel=2e-3)
+    assert float(analytic.saturation_over_ice(253.15)) == pytest.approx(103.2, rel=5e-3)
+    # Dew point 10 C at 1000 hPa: 7.63 g/kg.
+    q = forcing.dew_point_humidity(np.array([283.15]), np.array([1.0e5]))
+    assert q[0] == pytest.approx(7.65e-3, rel=5e-3)
+
+
+def test_time_is_cut_with_its_ends_interpolated(tmp_path: Path) -> None:
+    ramp = (HOURS / 10.0)[:, None, None]
+    wind(ramp, 0.0).to_netcdf(tmp_path / "w.nc")
+    scene = scene_of(time={"windows": 2, "window": 32400.0})
+    made = forcing.make_forcing(scene, tmp_path / "w.nc", 2)
+    assert list(made["time"].values / 3600.0) == [9.0, 12.0, 18.0]
+    speed = np.hypot(made["wind_u"], made["wind_v"]).values
+    far = speed[:, 0, 0]
+    assert far == pytest.approx([0.9, 1.2, 1.8], rel=1e-2)
+
+
+@pytest.mark.parametrize("calendar", ["standard", "noleap", "360_day", "proleptic_gregorian"])
+def test_calendars(tmp_path: Path, calendar: str) -> None:
+    data = wind(3.0, 0.0)
+    unit = "days since 1981-12-01"
+    start = netCDF4.date2num(
+        netCDF4.num2date([30.0], unit, calendar, only_use_cftime_datetimes=True), unit, calendar
+    )
+    data = data.assign_coords(time=("time", start + HOURS / 24.0))
+    data["time"].attrs = {"units": unit, "calendar": calendar}
+    data.to_netcdf(tmp_path / "w.nc")
+    day = 31 if calendar != "360_day" else 1
+    month = 12 if calendar != "360_day" else 1
+    year = 1981 if calendar != "360_day" else 1982
+    scene = scene_of(time={"start": f"{year}-{month:02d}-{day:02d}T00:00:00", "windows": 2})
+    made = forcing.make_forcing(scene, tmp_path / "w.nc", 1)
+    assert list(made["time"].values) == [0.0, 21600.0, 43200.0, 64800.0, 86400.0]
+
+
+@pytest.mark.parametrize(
+    ("name", "standard", "units", "value", "expected"),
+    [
+        ("air_temperature", "air_temperature", "degC", -20.0, 253.15),
+        ("air_pressure", "surface_air_pressure", "hPa", 1010.0, 101000.0),
+        ("specific_humidity", "specific_humidity", "g kg-1", 0.5, 5e-4),
+        ("snowfall", "snowfall_flux", "mm day-1", 8.64, 1e-4),
+        ("longwave_down", "surface_downwelling_longwave_flux_in_air", "W m**-2", 200.0, 200.0),
+    ],
+)
+def test_units_become_si(
+    tmp_path: Path, name: str, standard: str, units: str, value: float, expected: float
+) -> None:
+    scene = scene_of(AWAY, effects=("thermodynamics",))
+    data = analytic.make_analytic(scene, 1)
+    old = next(n for n in data if data[n].attrs["standard_name"].startswith(standard[:8]))
+    if name == "air_pressure":
+        old = "msl"
+    if name == "longwave_down":
+        old = "rlds"
+    data = data.drop_vars(old)
+    shape = (data.sizes["time"], data.sizes["lat"], data.sizes["lon"])
+    attrs = {"standard_name": standard, "units": units}
+    data["mine"] = (("time", "lat", "lon"), np.full(shape, value), attrs)
+    data.to_netcdf(tmp_path / "f.nc")
+    made = forcing.make_forcing(scene, tmp_path / "f.nc", 1)
+    assert made[name].values == pytest.approx(np.full(made[name].shape, expected), rel=1e-6)
+
+
+def test_knots(tmp_path: Path) -> None:
+    wind(0.0, 36.0, "knots").to_netcdf(tmp_path / "w.nc")
+    made = forcing.make_forcing(scene_of(AWAY), tmp_path / "w.nc", 1)
+    speed = np.hypot(made["wind_u"], made["wind_v"]).values
+    assert speed.max() == pytest.approx(18.52, rel=1e-3)
+
+
+def test_humidity_from_dew_point(tmp_path: Path) -> None:
+    scene = scene_of(AWAY, effects=("thermodynamics",))
+    data = analytic.make_analytic(scene, 1).drop_vars("huss")
+    shape = (data.sizes["time"], data.sizes["lat"], data.sizes["lon"])
+    data["d2m"] = (("time", "lat", "lon"), np.full(shape, 250.0), {"units": "K"})
+    data.to_netcdf(tmp_path / "f.nc")
+    made = forcing.make_forcing(scene, tmp_path / "f.nc", 1)
+    expected = forcing.dew_point_humidity(np.array(250.0), np.array(101000.0))
+    assert made["specific_humidity"].values == pytest.approx(float(expected), rel=1e-6)
+
+
+def test_coriolis_is_that_of_the_latitude(tmp_path: Path) -> None:
+    wind(1.0, 0.0).to_netcdf(tmp_path / "w.nc")
+    scene = scene_of(AWAY, effects=("wind", "coriolis"))
+    made = forcing.make_forcing(scene, tmp_path / "w.nc", 1)
+    _, lat = places(scene)
+    np.testing.assert_allclose(made["coriolis"], 1.458423e-4 * np.sin(np.radians(lat)), rtol=1e-12)
+    assert made["coriolis"].dims == ("y", "x")
+
+
+def hole(data: xr.Dataset) -> None:
+    data["u10"].values[2, 12, 90] = np.nan
+
+
+def endless(data: xr.Dataset) -> None:
+    data["u10"].values[2, 12, 90] = np.inf
+
+
+def too_fast(data: xr.Dataset) -> None:
+    data["u10"].values[0] = 500.0
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (hole, r"'u10' is missing or not finite at 1981-12-31 12:00:00 near 7\d\.\d N, 1\d\d\.\d"),
+        (endless, "'u10' is missing or not finite at 1981-12-31 12:00:00"),
+        (too_fast, "'u10' and 'v10' reach 500.001 m/s, above 150: check their units"),
+        (lambda d: d.isel(lat=slice(0, 8)), r"'u10' does not cover the scene, such as \d+\.\d N"),
+        (lambda d: d.isel(lon=slice(0, 60)), "'u10' does not cover the scene, such as"),
+        (lambda d: d.isel(time=slice(0, 3)), "'time' covers .* but the scene needs"),
+        (lambda d: d.isel(lat=[0, 0]), "coordinate 'lat' has under two different values"),
+    ],
+)
+def test_bad_values_are_refused(
+    tmp_path: Path, change: Callable[[xr.Dataset], xr.Dataset | None], sentence: str
+) -> None:
+    data = wind(2.0, 1.0)
+    changed = change(data)
+    (data if changed is None else changed).to_netcdf(tmp_path / "w.nc")
+    domain = {"x_min": -1e6, "x_max": 1e6, "y_min": 1.2e6, "y_max": 2.2e6, "spacing": 1e5}
+    with pytest.raises(FloeError, match=sentence) as caught:
+        forcing.make_forcing(scene_of(domain), tmp_path / "w.nc", 1)
+    assert str(caught.value).startswith(str(tmp_path / "w.nc"))
+
+
+def test_accumulated_radiation_is_refused(tmp_path: Path) -> None:
+    scene = scene_of(AWAY, effects=("thermodynamics",))
+    data = analytic.make_analytic(scene, 1)
+    data["rsds"].attrs["units"] = "J m**-2"
+    data.to_netcdf(tmp_path / "f.nc")
+    with pytest.raises(FloeError, match="'rsds' has units .* it is a sum over time: give its rate"):
+        forcing.make_forcing(scene, tmp_path / "f.nc", 1)
+
+
+def test_impossible_temperature_is_refused(tmp_path: Path) -> None:
+    scene = scene_of(AWAY, effects=("thermodynamics",))
+    data = analytic.make_analytic(scene, 1)
+    data["t2m"].values[:] = -20.0
+    data.to_netcdf(tmp_path / "f.nc")
+    with pytest.raises(FloeError, match="'t2m' reaches from -20 to -20 K, outside 150 to 350"):
+        forcing.make_forcing(scene, tmp_path / "f.nc", 1)
+
+
+def ocean(values: np.ndarray) -> xr.Dataset:
+    return file_with(
+        uo=(values, {"standard_name": "eastward_sea_water_velocity", "units": "m s-1"}),
+        vo=(0 * values, {"standard_name": "northward_sea_water_velocity", "units": "m s-1"}),
+    )
+
+
+def test_ocean_missing_on_land_takes_the_nearest_water(tmp_path: Path) -> None:
+    values = np.full((20, 180), 0.2)
+    values[10:14, 60:70] = np.nan
+    ocean(values).to_netcdf(tmp_path / "o.nc")
+    domain = {"x_min": 0.5e6, "x_max": 2.5e6, "y_min": 0.5e6, "y_max": 2.0e6, "spacing": 1e5}
+    scene = scene_of(domain, effects=("ocean_drag",))
+    made = forcing.make_forcing(scene, tmp_path / "o.nc", 1)
+    speed = np.hypot(made["ocean_u"], made["ocean_v"]).values
+    assert speed == pytest.approx(np.full(speed.shape, 0.2), rel=1e-2)
+
+
+def test_ocean_missing_for_a_time_is_refused(tmp_path: Path) -> None:
+    values = np.full((9, 20, 180), 0.2)
+    values[1, 10:14, :] = np.nan
+    ocean(values).to_netcdf(tmp_path / "o.nc")
+    domain = {"x_min": 0.5e6, "x_max": 2.5e6, "y_min": 0.5e6, "y_max": 2.0e6, "spacing": 1e5}
+    with pytest.raises(FloeError, match="'uo' is missing or not finite at 1981-12-31 06:00:00"):
+        forcing.make_forcing(scene_of(domain, effects=("ocean_drag",)), tmp_path / "o.nc", 1)
+
+
+def test_metno_current_along_its_grid(shared: Path) -> None:
+    """Components along a rotated projected grid, 17 levels, packed, missing on land."""
+    path = shared / "data/metno_arctic20_2016-02-01_05.nc"
+    with netCDF4.Dataset(path) as file:
+        lat, lon = file["latitude"][:], file["longitude"][:]
+        u, v = file["u"][2, 0], file["v"][2, 0]
+        stamp = netCDF4.num2date(file["time"][2], file["time"].units)
+    crs = pyproj.CRS("EPSG:6931")
+    px, py = grids.from_lonlat(crs, lon.filled(), lat.filled())
+    jj, ii = 20, 30
+    x0, y0 = 1e5 * round(px[jj, ii] / 1e5), 1e5 * round(py[jj, ii] / 1e5)
+    domain = {"x_min": x0 - 2e5, "x_max": x0 + 2e5, "y_min": y0 - 2e5, "y_max": y0 + 2e5,
+              "spacing": 2e4}  # fmt: skip
+    start = stamp.strftime("%Y-%m-%dT%H:%M:%S")
+    scene = scene_of(domain, effects=("ocean_drag",), time={"start": start, "windows": 1})
+    made = forcing.make_forcing(scene, path, 1)
+    # The file's x axis on the scene's map, from its own latitudes and longitudes.
+    turn = np.arctan2(py[:, 1:] - py[:, :-1], px[:, 1:] - px[:, :-1])[jj, ii]
+    rows, columns = slice(jj - 4, jj + 5), slice(ii - 4, ii + 5)
+    inside = (np.abs(made["x"] - px[jj, ii]) < 8e4) & (np.abs(made["y"] - py[jj, ii]) < 8e4)
+    mine = [float(made[name][0].where(inside).mean()) for name in ("ocean_u", "ocean_v")]
+    own = vectors.rotate(u[rows, columns].mean(), v[rows, columns].mean(), turn)
+    assert np.hypot(*own) > 0.005
+    assert np.hypot(mine[0] - own[0], mine[1] - own[1]) < 0.25 * np.hypot(*own)
