@@ -12,9 +12,11 @@
 #include "error.h"
 #include "force.h"
 
+#include "bond_command.h"
 #include "contact_models.h"
 #include "fix_floe_integrate.h"
 #include "granular_pair_style.h"
+#include "input.h"
 #include "lammps.h"
 #include "modify.h"
 #include "pair_floe.h"
@@ -40,6 +42,13 @@ struct FixMap {
 };
 template struct Expose<FixMap, &Modify::fix_map>;
 
+using Command = void (*)(LAMMPS *, int, char **);
+struct CommandMap {
+  using type = std::map<std::string, Command> *Input::*;
+  friend type get(CommandMap);
+};
+template struct Expose<CommandMap, &Input::command_map>;
+
 struct PairImplementation {
   using type = LIGGGHTS::PairStyles::IGranularPairStyle *PairGranProxy::*;
   friend type get(PairImplementation);
@@ -49,6 +58,8 @@ template struct Expose<PairImplementation, &PairGranProxy::impl>;
 LIGGGHTS::PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *, std::int64_t hash) {
   return new PairFloe(lmp, hash);
 }
+
+void bond_command(LAMMPS *lmp, int narg, char **arg) { BondCommand(lmp).command(narg, arg); }
 
 Fix *create_fix(LAMMPS *lmp, int narg, char **arg) { return new FixFloeIntegrate(lmp, narg, arg); }
 
@@ -65,6 +76,7 @@ void register_pair() {
 void register_models(LAMMPS *lmp) {
   register_pair();
   (*(lmp->modify->*get(FixMap())))["floe/integrate"] = create_fix;
+  (*(lmp->input->*get(CommandMap())))["floe_bonds"] = bond_command;
 }
 
 Parts find_parts(LAMMPS *lmp) {

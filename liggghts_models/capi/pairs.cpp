@@ -57,14 +57,12 @@ std::unordered_map<std::uint64_t, long long> rows(long long n, const long long *
   return out;
 }
 
-void put_bond(const floe::PairFloe &floe, const double *row, double *h) {
-  h[slot::kind] = 1.0;
+void put_bond(const double *row, double *h) {
   h[slot::span] = row[0];
   h[slot::bond_thickness] = row[1];
   h[slot::crack_a] = row[2];
   h[slot::crack_b] = row[3];
   std::copy(row + 4, row + bond_columns, h + slot::lo_ax);
-  h[slot::compressive] = floe.compressive_strength(row[1]);
 }
 
 void get_bond(const double *h, double *row) {
@@ -93,7 +91,8 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
       const auto b = bond_row.find(pair_key);
       if (b != bond_row.end()) {
         *p.flag = 1;
-        put_bond(*parts.floe, bond + bond_columns * b->second, p.history);
+        put_bond(bond + bond_columns * b->second, p.history);
+        parts.floe->finish_bond(p.history, p.i, p.j);
         return;
       }
       const auto c = contact_row.find(pair_key);
@@ -111,7 +110,7 @@ void floe_count_pairs(void *instance, long long *bonds, long long *contacts) {
   *bonds = *contacts = 0;
   each_pair(lmp, [&](const Place &p) {
     if (!*p.flag || !speaks(lmp->atom, p)) return;
-    ++(with_bonds && p.history[slot::kind] != 0.0 ? *bonds : *contacts);
+    ++(with_bonds && p.history[slot::span] != 0.0 ? *bonds : *contacts);
   });
 }
 
@@ -122,7 +121,7 @@ void floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long
   each_pair(lmp, [&](const Place &p) {
     if (!*p.flag || !speaks(lmp->atom, p)) return;
     const int a = lmp->atom->tag[p.i], b = lmp->atom->tag[p.j];
-    if (with_bonds && p.history[slot::kind] != 0.0) {
+    if (with_bonds && p.history[slot::span] != 0.0) {
       *bond_ids++ = std::min(a, b);
       *bond_ids++ = std::max(a, b);
       get_bond(p.history, bond);

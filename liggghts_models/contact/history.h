@@ -2,7 +2,7 @@
 //
 // Layout of the numbers that LIGGGHTS carries for each pair of elements, in the order of the ids
 // (lower id first), so that both sides of a rank boundary hold and compute the same bits.
-// A pair is either in (unbonded) contact or bonded; both uses share the slots after the first.
+// A pair is either in (unbonded) contact or bonded; both uses share the slots.
 #ifndef FLOE_CONTACT_HISTORY_H
 #define FLOE_CONTACT_HISTORY_H
 
@@ -11,13 +11,12 @@
 namespace floe {
 namespace slot {
 
-enum Common { kind = 0 };  // 0 contact, 1 bond
-enum Contact { slip = 1, rest_overlap = 2, contact_size = 3 };
+// A contact has span 0. Constants follow from the rest and are kept to save their roots.
+enum Common { span = 0 };
+enum Contact { slip = 1, rest_overlap, contact_stiffness, contact_damping, contact_size };
 enum Bond {
   crack_a = 1,
   crack_b,
-  span,
-  bond_thickness,
   lo_ax,
   lo_ay,
   lo_bx,
@@ -26,8 +25,12 @@ enum Bond {
   hi_ay,
   hi_bx,
   hi_by,
-  compressive,  // compressive strength, Pa: follows from the thickness, kept to save its root
-  bond_size
+  bond_thickness,
+  bond_length,
+  bond_ratio,
+  bond_damping,
+  bond_squeeze,
+  bond_size  // 16 numbers: two cache lines
 };
 
 }  // namespace slot
@@ -41,6 +44,10 @@ inline BondShape bond_shape(const double *h) {
           h[slot::bond_thickness],
           h[slot::crack_a],
           h[slot::crack_b]};
+}
+
+inline BondConstants bond_constants_at(const double *h) {
+  return {h[slot::bond_length], h[slot::bond_ratio], h[slot::bond_damping], h[slot::bond_squeeze]};
 }
 
 }  // namespace floe

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+//
+// The loop over pairs.
 #include "pair_floe.h"
 
 #include <cmath>
+#include <cstddef>
 
 #include "atom.h"
 #include "fix_floe_integrate.h"
@@ -16,194 +19,183 @@ namespace floe {
 
 namespace {
 
-// An element that never moves takes part like an infinitely heavy one.
-double reduced_mass(double m_lo, double m_hi, bool fixed_lo, bool fixed_hi) {
-  if (fixed_lo) return m_hi;
-  if (fixed_hi) return m_lo;
-  return m_lo * m_hi / (m_lo + m_hi);
-}
-
-// The pair in touch leaves its history behind: nothing remains of a contact that opened.
+// Nothing remains of a contact that opened.
 void forget(int &flag, double *h) {
   if (!flag) return;
   flag = 0;
   for (int k = 0; k < slot::contact_size; ++k) h[k] = 0.0;
 }
 
+// The bond gives way: overlap present at that moment makes no force from now on.
+void break_bond(int &flag, double *h, int size, double overlap) {
+  for (int k = 0; k < size; ++k) h[k] = 0.0;
+  flag = overlap > 0.0;
+  if (overlap > 0.0) h[slot::rest_overlap] = overlap;
+}
+
+// Sums over the pairs of one rank in one step.
+struct Losses {
+  double bond = 0.0, contact = 0.0;       // W
+  double friction = 0.0, fracture = 0.0;  // J
+  double cracked = 0.0, broken = 0.0;
+
+  void add_to(Ledger &total, double step) const {
+    total.dissipation_bond += bond * step;
+    total.dissipation_contact += contact * step;
+    total.dissipation_friction += friction;
+    total.dissipation_fracture += fracture;
+    total.bonds_cracked += cracked;
+    total.bonds_broken += broken;
+  }
+};
+
 }  // namespace
+
+void PairFloe::gather() {
+  const int all = atom->nlocal + atom->nghost;
+  bodies_.resize(all);
+  loads_.assign(all, Load{});
+  const double *const *x = atom->x, *const *v = atom->v, *const *omega = atom->omega;
+  const double *radius = atom->radius;
+  for (int i = 0; i < all; ++i) {
+    bodies_[i] = {x[i][0],     x[i][1],     v[i][0],     v[i][1],
+                  omega[i][2], omega[i][0], omega[i][1], radius[i]};
+  }
+}
+
+void PairFloe::scatter() {
+  for (int i = 0; i < atom->nlocal; ++i) {
+    atom->f[i][0] += loads_[i].fx;
+    atom->f[i][1] += loads_[i].fy;
+    atom->torque[i][2] += loads_[i].torque;
+  }
+}
 
 template <bool Bonds, bool Friction>
 void PairFloe::loop(PairGran *pg) {
-  double **x = atom->x, **v = atom->v, **f = atom->f, **omega = atom->omega;
-  double **torque = atom->torque;
-  const double *radius = atom->radius, *mass = atom->rmass, *thickness = fix_->thickness;
-  const int *type = atom->type, *tag = atom->tag;
+  const Body *bodies = bodies_.data();
+  Load *loads = loads_.data();
+  const int *tag = atom->tag;
   const int nlocal = atom->nlocal;
   const NeighList *list = pg->list, *past = pg->listgranhistory;
   const int size = pg->dnum();
-  const bool apply = pg->computeflag() != 0, advance = pg->shearupdate() != 0;
-  const double dt = update->dt, step = advance ? dt : 0.0;
+  const bool advance = pg->shearupdate() != 0;
+  const double step = advance ? update->dt : 0.0;
   const double limit2 = 0.998 * reach * reach;
-  Ledger &total = fix_->ledger;
-  double lost_bond = 0.0, lost_contact = 0.0, lost_friction = 0.0;
+  Losses lost;
 
   for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    const double xi = x[i][0], yi = x[i][1], ri = radius[i];
+    const int i = list->ilist[ii], tag_i = tag[i];
+    const Body body = bodies[i];
     const int *neighbour = list->firstneigh[i];
     int *flags = past->firstneigh[i];
     double *history = past->firstdouble[i];
     const int count = list->numneigh[i];
-    double fx = 0.0, fy = 0.0, tz = 0.0;
+    Load mine{};
 
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbour[jj] & NEIGHMASK;
-      const double dx = x[j][0] - xi, dy = x[j][1] - yi, sum = ri + radius[j];
+      const Body &other = bodies[j];
+      const double dx = other.x - body.x, dy = other.y - body.y, sum = body.radius + other.radius;
       const double square = dx * dx + dy * dy;
-      double *h = history + size * jj;
-      const bool bonded = Bonds && flags[jj] && h[slot::kind] != 0.0;
+      double *h = history + static_cast<std::ptrdiff_t>(size) * jj;
+      const bool bonded = Bonds && flags[jj] && h[slot::span] != 0.0;
       if (!bonded && square >= sum * sum) {
         forget(flags[jj], h);
         continue;
       }
-      const bool i_low = tag[i] < tag[j];
-      const int lo = i_low ? i : j, hi = i_low ? j : i;
-      const double sign = i_low ? 1.0 : -1.0;
-      const Vec2 d{sign * dx, sign * dy};
-      const Vec2 dv{v[hi][0] - v[lo][0], v[hi][1] - v[lo][1]};
-      const double reduced =
-          reduced_mass(mass[lo], mass[hi], type[lo] == FixFloeIntegrate::fixed_type,
-                       type[hi] == FixFloeIntegrate::fixed_type);
-      const double share = j < nlocal ? dt : 0.5 * dt;  // a pair across ranks is met on both
-      PairForce force;
+      const double share = j < nlocal ? 1.0 : 0.5;  // a pair across ranks is met on both
+      Vec2 force;                                   // on i
+      double torque_i, torque_j;
 
       if (bonded) {
+        const bool i_low = tag_i < tag[j];
+        const Body &lo = i_low ? body : other, &hi = i_low ? other : body;
+        const double sign = i_low ? 1.0 : -1.0;
         BondShape shape = bond_shape(h);
-        const BondPose pose{d,  omega[lo][0], omega[lo][1], omega[hi][0], omega[hi][1],
-                            dv, omega[lo][2], omega[hi][2]};
+        const BondConstants constants = bond_constants_at(h);
+        const BondPose pose{{sign * dx, sign * dy},     {lo.cos, lo.sin}, {hi.cos, hi.sin},
+                            {hi.u - lo.u, hi.v - lo.v}, lo.spin,          hi.spin};
         const BondLine line = bond_line(shape, pose);
         if (advance) {
           if (square > limit2 * sum * sum) fix_->fault_at(i, j);
           const BondShape before = shape;
-          if (bond_fracture(bond, h[slot::compressive], line, shape)) {
-            const bool counted = j < nlocal || i_low, broken = shape.broken();
-            total.dissipation_fracture +=
-                (j < nlocal ? 1.0 : 0.5) *
-                (bond_energy(bond, before, line) - bond_energy(bond, shape, line));
-            if (counted && before.crack_a == 0.0 && before.crack_b == 0.0)
-              total.bonds_cracked += 1.0;
-            if (counted && broken) total.bonds_broken += 1.0;
+          if (bond_fracture(bond, constants, line, shape)) {
+            const bool counted = j < nlocal || i_low;
+            lost.fracture += share * (bond_energy(bond, constants, before, line) -
+                                      bond_energy(bond, constants, shape, line));
+            if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;
+            if (counted && shape.broken()) lost.broken += 1.0;
             h[slot::crack_a] = shape.crack_a;
             h[slot::crack_b] = shape.crack_b;
-            if (broken) {
-              // Overlap present at the break makes no force from now on.
-              for (int k = 0; k < size; ++k) h[k] = 0.0;
-              const double overlap = sum - std::sqrt(square);
-              flags[jj] = overlap > 0.0;
-              if (overlap > 0.0) h[slot::rest_overlap] = overlap;
+            if (shape.broken()) {
+              break_bond(flags[jj], h, size, sum - std::sqrt(square));
               continue;
             }
           }
         }
         double watt;
-        force = bond_force(bond, shape, line, pose, reduced, watt);
-        if (advance) lost_bond += share * watt;
+        const PairForce on_lo = bond_force(bond, constants, shape, line, pose, watt);
+        lost.bond += share * watt;
+        force = {sign * on_lo.f.x, sign * on_lo.f.y};
+        torque_i = i_low ? on_lo.torque_lo : on_lo.torque_hi;
+        torque_j = i_low ? on_lo.torque_hi : on_lo.torque_lo;
       } else {
         if (!flags[jj]) {
           flags[jj] = 1;
           for (int k = 0; k < size; ++k) h[k] = 0.0;
         }
-        const ContactPose pose{d,  std::sqrt(square), radius[lo],  radius[hi],
-                               dv, omega[lo][2],      omega[hi][2]};
-        double rest = h[slot::rest_overlap];
+        if (h[slot::contact_stiffness] == 0.0) finish_contact(h, i, j);
+        const ContactPose pose{{dx, dy},
+                               std::sqrt(square),
+                               body.radius,
+                               other.radius,
+                               {other.u - body.u, other.v - body.v},
+                               body.spin,
+                               other.spin};
+        double rest = h[slot::rest_overlap], slip = h[slot::slip];
         const double overlap = effective_overlap(pose, rest);
         if (advance) h[slot::rest_overlap] = rest;
         if (overlap <= 0.0) {
           if (advance) h[slot::slip] = 0.0;
           continue;
         }
-        const double stiffness = contact_stiffness(contact.young, thickness[lo], thickness[hi]);
-        ContactHistory past_slip{h[slot::slip], rest};
         ContactLoss loss;
-        force = contact_force<Friction>(contact, pose, stiffness, reduced, overlap, step, past_slip,
-                                        loss);
-        if (advance) {
-          h[slot::slip] = past_slip.slip;
-          lost_contact += share * loss.damping;
-          lost_friction += (j < nlocal ? 1.0 : 0.5) * loss.friction;
-        }
+        const ContactForce touch =
+            contact_force<Friction>(contact, {h[slot::contact_stiffness], h[slot::contact_damping]},
+                                    pose, overlap, step, slip, loss);
+        if (advance) h[slot::slip] = slip;
+        lost.contact += share * loss.damping;
+        lost.friction += share * loss.friction;
+        force = touch.f;
+        torque_i = touch.torque_one;
+        torque_j = touch.torque_two;
       }
-      if (!apply) continue;
-      fx += sign * force.f.x;
-      fy += sign * force.f.y;
-      tz += i_low ? force.torque_lo : force.torque_hi;
-      if (j < nlocal) {
-        f[j][0] -= sign * force.f.x;
-        f[j][1] -= sign * force.f.y;
-        torque[j][2] += i_low ? force.torque_hi : force.torque_lo;
+      mine.fx += force.x;
+      mine.fy += force.y;
+      loads[j].fx -= force.x;
+      loads[j].fy -= force.y;
+      if (Bonds || Friction) {
+        mine.torque += torque_i;
+        loads[j].torque += torque_j;
       }
     }
-    f[i][0] += fx;
-    f[i][1] += fy;
-    torque[i][2] += tz;
+    loads[i].fx += mine.fx;
+    loads[i].fy += mine.fy;
+    loads[i].torque += mine.torque;
   }
-  total.dissipation_bond += lost_bond;
-  total.dissipation_contact += lost_contact;
-  total.dissipation_friction += lost_friction;
+  lost.add_to(fix_->ledger, step);
 }
 
 void PairFloe::compute_force(PairGran *pg, int, int, int) {
   pg->evflag = pg->vflag_fdotr = 0;  // energies and stresses are reported by sums() and the ledger
+  gather();
   if (bonds) {
-    if (friction)
-      loop<true, true>(pg);
-    else
-      loop<true, false>(pg);
+    friction ? loop<true, true>(pg) : loop<true, false>(pg);
   } else {
-    if (friction)
-      loop<false, true>(pg);
-    else
-      loop<false, false>(pg);
+    friction ? loop<false, true>(pg) : loop<false, false>(pg);
   }
-}
-
-PairSums PairFloe::sums(PairGran *pg) const {
-  PairSums out;
-  double **x = atom->x, **omega = atom->omega;
-  const NeighList *list = pg->list, *past = pg->listgranhistory;
-  const int size = pg->dnum();
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii];
-    for (int jj = 0; jj < list->numneigh[i]; ++jj) {
-      if (!past->firstneigh[i][jj]) continue;
-      const int j = list->firstneigh[i][jj] & NEIGHMASK;
-      const double *h = past->firstdouble[i] + size * jj;
-      const double weight = j < atom->nlocal ? 1.0 : 0.5;
-      const bool i_low = atom->tag[i] < atom->tag[j];
-      const int lo = i_low ? i : j, hi = i_low ? j : i;
-      const Vec2 d{x[hi][0] - x[lo][0], x[hi][1] - x[lo][1]};
-      const double distance = std::sqrt(d.x * d.x + d.y * d.y);
-      if (bonds && h[slot::kind] != 0.0) {
-        const BondShape shape = bond_shape(h);
-        const BondPose pose{d,          omega[lo][0], omega[lo][1], omega[hi][0], omega[hi][1],
-                            {0.0, 0.0}, 0.0,          0.0};
-        out.elastic_bond += weight * bond_energy(bond, shape, bond_line(shape, pose));
-        out.bonds += weight;
-        continue;
-      }
-      const double overlap = atom->radius[lo] + atom->radius[hi] - distance - h[slot::rest_overlap];
-      out.contacts += weight;
-      if (overlap <= 0.0) continue;
-      const double k = contact_stiffness(contact.young, fix_->thickness[lo], fix_->thickness[hi]);
-      out.max_overlap = std::max(out.max_overlap, overlap);
-      out.elastic_contact += weight * 0.5 * k * overlap * overlap;
-      const double kt = contact.shear_ratio * k;
-      if (friction) {
-        out.elastic_contact += weight * 0.5 * kt * h[slot::slip] * h[slot::slip];
-      }
-    }
-  }
-  return out;
+  if (pg->computeflag()) scatter();
 }
 
 }  // namespace floe

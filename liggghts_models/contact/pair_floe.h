@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "bond.h"
 #include "contact.h"
@@ -19,6 +20,16 @@ class FixFloeIntegrate;
 }
 
 namespace floe {
+
+// What the loop over pairs reads of an element: one cache line, gathered once per step.
+struct Body {
+  double x, y, u, v, spin, cos, sin, radius;
+};
+
+// What it adds up for an element.
+struct Load {
+  double fx, fy, torque, unused;
+};
 
 // Energy (J) and counts of the present pairs of one rank.
 struct PairSums {
@@ -47,6 +58,9 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
     return kovacs_sodhi ? kovacs_sodhi_strength(thickness) : compressive;
   }
   int history_size() const;
+  // Fills the slots of a bond that follow from its others and from its elements i and j.
+  void finish_bond(double *history, int i, int j) const;
+  void finish_contact(double *history, int i, int j) const;  // and of a contact
 
   bool bonds = false, friction = true, kovacs_sodhi = false;
   double compressive = 0.0;  // Pa, where it is constant
@@ -57,6 +71,11 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
  private:
   template <bool Bonds, bool Friction>
   void loop(LAMMPS_NS::PairGran *);
+  void gather();
+  void scatter();
+  double reduced_mass(int i, int j) const;
+  std::vector<Body> bodies_;  // of elements and ghosts
+  std::vector<Load> loads_;
   LAMMPS_NS::FixFloeIntegrate *fix_ = nullptr;
   std::int64_t hash_;
 };

@@ -90,7 +90,8 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   }
   if (poisson >= 0.5) fail("poisson must be below 0.5");
   if (reach < 1.0) fail("reach must be at least 1");
-  bond.shear = bond.young / (2.0 * (1.0 + poisson));
+  contact.damping_ratio = std::sqrt(contact.shear_ratio);
+  bond = bond_material(bond.young, poisson, bond.damping, bond.tensile_share, bond.tan_phi);
   for (int slot = 0; slot < history_size(); ++slot) {
     setup->add_history_value("floe_" + std::to_string(slot), "0");
   }
@@ -100,6 +101,7 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
 void PairFloe::init_granular() {
   fix_ = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
   if (!fix_) error->all(FLERR, "pair_style gran model floe needs fix floe/integrate");
+  fix_->use_orientation = bonds;
   if (neighbor->contactDistanceFactor > reach) reach = neighbor->contactDistanceFactor;
 }
 

@@ -14,11 +14,32 @@
 
 using namespace LAMMPS_NS;
 
+namespace {
+
+void add_external(floe::Ledger &sum, const floe::DriftStep &step, floe::Vec2 mean) {
+  const auto work = [mean](floe::Vec2 impulse) { return impulse.x * mean.x + impulse.y * mean.y; };
+  sum.work_wind += work(step.wind);
+  sum.impulse_wind_x += step.wind.x;
+  sum.impulse_wind_y += step.wind.y;
+  sum.work_ocean += work(step.ocean);
+  sum.impulse_ocean_x += step.ocean.x;
+  sum.impulse_ocean_y += step.ocean.y;
+  sum.work_coriolis += work(step.coriolis);
+  sum.impulse_coriolis_x += step.coriolis.x;
+  sum.impulse_coriolis_y += step.coriolis.y;
+  sum.work_tilt += work(step.tilt);
+  sum.impulse_tilt_x += step.tilt.x;
+  sum.impulse_tilt_y += step.tilt.y;
+}
+
+}  // namespace
+
 FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
       thickness(nullptr),
       ice_area(nullptr),
       theta(nullptr),
+      use_orientation(true),
       law{},
       start_time(0.0),
       default_thickness(1.0),
@@ -145,17 +166,23 @@ void FixFloeIntegrate::freeze(int i, int kind, double speed) {
 }
 
 void FixFloeIntegrate::initial_integrate(int) {
+  if (law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt)
+    advance<true>();
+  else
+    advance<false>();
+}
+
+template <bool External>
+void FixFloeIntegrate::advance() {
   using floe::Vec2;
   double **x = atom->x, **v = atom->v, **f = atom->f, **omega = atom->omega;
   double **torque = atom->torque;
   const double *radius = atom->radius, *mass = atom->rmass;
-  const int *type = atom->type;
-  const int *mask = atom->mask;
+  const int *type = atom->type, *mask = atom->mask;
   const int nlocal = atom->nlocal;
   const double step = update->dt;
   const double middle = start_time + (update->ntimestep - 0.5) * step;
   const floe::ForcingTime time = floe::forcing_time(forcing, middle);
-  const bool external = law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt;
   floe::Ledger sum = ledger;
 
   for (int i = 0; i < nlocal; ++i) {
@@ -166,51 +193,41 @@ void FixFloeIntegrate::initial_integrate(int) {
       sum.impulse_fixed_y += f[i][1] * step;
       continue;
     }
-    floe::ForcingSample air_and_water{};
-    if (external) air_and_water = floe::sample_forcing(forcing, time, x[i][0], x[i][1]);
     const Vec2 u{v[i][0], v[i][1]}, contact{f[i][0], f[i][1]};
-    const double area = ice_area[i] < 0.0 ? M_PI * radius[i] * radius[i] : ice_area[i];
-    const floe::DriftInput in{
-        u, contact, mass[i], area, air_and_water.wind, air_and_water.ocean, air_and_water.coriolis};
-    const floe::DriftStep out = floe::drift_step(law, in, step);
-    const double spin = omega[i][2];
-    const double new_spin = floe::spin_step(law.use_ocean, law.water, spin, torque[i][2], mass[i],
-                                            radius[i], area, air_and_water.vorticity, step);
-    const double check = out.u_new.x + out.u_new.y + new_spin + x[i][0] + x[i][1];
-    const double speed2 = out.u_new.x * out.u_new.x + out.u_new.y * out.u_new.y;
-    if (!std::isfinite(check)) {
-      freeze(i, floe::fault_not_finite, std::sqrt(speed2));
-      continue;
+    const double m = mass[i], r = radius[i], spin = omega[i][2];
+    floe::DriftStep out;
+    double new_spin;
+    if constexpr (External) {
+      const double area = ice_area[i] < 0.0 ? M_PI * r * r : ice_area[i];
+      const floe::ForcingSample here = floe::sample_forcing(forcing, time, x[i][0], x[i][1]);
+      out =
+          floe::drift_step(law, {u, contact, m, area, here.wind, here.ocean, here.coriolis}, step);
+      new_spin = floe::spin_step(law.use_ocean, law.water, spin, torque[i][2], m, r, area,
+                                 here.vorticity, step);
+    } else {
+      const double per_mass = step / m;
+      out.u_new = {u.x + per_mass * contact.x, u.y + per_mass * contact.y};
+      new_spin = floe::free_spin_step(spin, torque[i][2], per_mass, r);
     }
-    if (speed2 * step * step > radius[i] * radius[i]) {
-      freeze(i, floe::fault_runaway, std::sqrt(speed2));
+    const double distance = step * step * (out.u_new.x * out.u_new.x + out.u_new.y * out.u_new.y);
+    // One test for both faults: a comparison with what is not finite is false.
+    if (!(distance <= r * r) || !std::isfinite(new_spin)) {
+      const bool finite = std::isfinite(distance + new_spin);
+      freeze(i, finite ? floe::fault_runaway : floe::fault_not_finite, std::sqrt(distance) / step);
       continue;
     }
     // The mean of old and new velocity makes the works add up to the change of kinetic energy.
     const Vec2 mean{0.5 * (u.x + out.u_new.x), 0.5 * (u.y + out.u_new.y)};
-    const auto work = [&](Vec2 impulse) { return impulse.x * mean.x + impulse.y * mean.y; };
-    sum.work_contact += step * work(contact);
-    sum.work_spin += 0.25 * mass[i] * radius[i] * radius[i] * (new_spin * new_spin - spin * spin);
-    if (external) {
-      sum.work_wind += work(out.wind);
-      sum.impulse_wind_x += out.wind.x;
-      sum.impulse_wind_y += out.wind.y;
-      sum.work_ocean += work(out.ocean);
-      sum.impulse_ocean_x += out.ocean.x;
-      sum.impulse_ocean_y += out.ocean.y;
-      sum.work_coriolis += work(out.coriolis);
-      sum.impulse_coriolis_x += out.coriolis.x;
-      sum.impulse_coriolis_y += out.coriolis.y;
-      sum.work_tilt += work(out.tilt);
-      sum.impulse_tilt_x += out.tilt.x;
-      sum.impulse_tilt_y += out.tilt.y;
-    }
+    sum.work_contact += step * (contact.x * mean.x + contact.y * mean.y);
+    sum.work_spin += 0.25 * m * r * r * (new_spin * new_spin - spin * spin);
+    if constexpr (External) add_external(sum, out, mean);
     v[i][0] = out.u_new.x;
     v[i][1] = out.u_new.y;
     x[i][0] += step * out.u_new.x;
     x[i][1] += step * out.u_new.y;
     omega[i][2] = new_spin;
-    set_orientation(i, theta[i] + step * new_spin);
+    theta[i] += step * new_spin;
+    if (use_orientation) set_orientation(i, theta[i]);
   }
   ledger = sum;
 }

@@ -46,6 +46,8 @@ class FixFloeIntegrate : public Fix {
   double *ice_area;   // m2
   double *theta;      // rad
 
+  bool use_orientation;  // false where no bond needs cosine and sine
+
   floe::DriftLaw law;
   floe::ForcingGrid forcing;
   double start_time;  // s, time of step 0 on the forcing's axis
@@ -53,6 +55,8 @@ class FixFloeIntegrate : public Fix {
   floe::Fault fault;
 
  private:
+  template <bool External>
+  void advance();
   void parse(int narg, char **arg);
   void note_fault(int i, int kind, int partner, double speed);
   void freeze(int i, int kind, double speed);

@@ -24,8 +24,7 @@ inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 // What both elements of a pair bring to a bond. "lo" is the element with the lower id.
 struct BondPose {
   Vec2 d;                   // centre of hi minus centre of lo, m
-  double cos_lo, sin_lo;    // orientation of lo
-  double cos_hi, sin_hi;    // orientation of hi
+  Vec2 turn_lo, turn_hi;    // cosine and sine of the orientations
   Vec2 v;                   // velocity of hi minus velocity of lo, m/s
   double spin_lo, spin_hi;  // rad/s
 };
@@ -39,15 +38,39 @@ struct BondShape {
   double crack_a, crack_b;                  // cracked share of the line, from end a and from end b
   double xi_lo() const { return crack_a; }  // the uncracked part lies between xi_lo and xi_hi
   double xi_hi() const { return 1.0 - crack_b; }
-  bool broken() const { return !(xi_lo() < xi_hi()); }
+  // What is left of the line is compared with round-off of its ends, which are near 1.
+  bool broken() const { return !(crack_a + crack_b < 1.0 - 1e-12); }
 };
 
 struct BondMaterial {
-  double young;          // Pa
-  double shear;          // shear modulus, Pa
-  double damping;        // share of critical damping
-  double tensile_share;  // tensile over compressive strength
-  double tan_phi;        // tangent of the angle of internal friction
+  double young;                   // Pa
+  double shear;                   // shear modulus, Pa
+  double damping;                 // share of critical damping
+  double tensile_share;           // tensile over compressive strength
+  double tan_phi;                 // tangent of the angle of internal friction
+  double root_young, root_shear;  // roots of the moduli
+  double shear_slope;             // shear / (young tan_phi)
+};
+
+inline BondMaterial bond_material(double young, double poisson, double damping,
+                                  double tensile_share, double tan_phi) {
+  const double shear = young / (2.0 * (1.0 + poisson));
+  return {young,
+          shear,
+          damping,
+          tensile_share,
+          tan_phi,
+          std::sqrt(young),
+          std::sqrt(shear),
+          shear / (young * tan_phi)};
+}
+
+// What follows from shape, material and masses and stays the same until the ice changes.
+struct BondConstants {
+  double length;   // of the glue line, m
+  double ratio;    // thickness over span; times a modulus: stiffness per length, Pa
+  double damping;  // times the root of a modulus: damping per length, Pa s
+  double squeeze;  // normal displacement at which the line crushes, m
 };
 
 // Where the line is now: frame, displacement along it, and arms of the midline's centre.
@@ -66,20 +89,31 @@ struct PairForce {
   double torque_lo, torque_hi;
 };
 
+// compressive: compressive strength, Pa; reduced_mass of the pair, kg.
+inline BondConstants bond_constants(const BondMaterial &m, const BondShape &b, double compressive,
+                                    double reduced_mass) {
+  BondConstants out;
+  out.length = std::hypot(b.lo_b.x - b.lo_a.x, b.lo_b.y - b.lo_a.y);
+  out.ratio = b.thickness / b.span;
+  out.damping = 2.0 * m.damping * std::sqrt(reduced_mass * out.ratio / out.length);
+  out.squeeze = compressive / m.young * b.span;
+  return out;
+}
+
 inline BondLine bond_line(const BondShape &b, const BondPose &p) {
-  const auto turn = [](double c, double s, Vec2 a) {
-    return Vec2{c * a.x - s * a.y, s * a.x + c * a.y};
+  const auto turn = [](Vec2 q, Vec2 a) {
+    return Vec2{q.x * a.x - q.y * a.y, q.y * a.x + q.x * a.y};
   };
-  const Vec2 la = turn(p.cos_lo, p.sin_lo, b.lo_a), lb = turn(p.cos_lo, p.sin_lo, b.lo_b);
-  const Vec2 ha = turn(p.cos_hi, p.sin_hi, b.hi_a), hb = turn(p.cos_hi, p.sin_hi, b.hi_b);
+  const Vec2 la = turn(p.turn_lo, b.lo_a), lb = turn(p.turn_lo, b.lo_b);
+  const Vec2 ha = turn(p.turn_hi, b.hi_a), hb = turn(p.turn_hi, b.hi_b);
   const Vec2 line_lo{lb.x - la.x, lb.y - la.y}, line_hi{hb.x - ha.x, hb.y - ha.y};
   const Vec2 sum{line_lo.x + line_hi.x, line_lo.y + line_hi.y};
   const double norm = std::sqrt(sum.x * sum.x + sum.y * sum.y);
   BondLine out;
-  out.t = {sum.x / norm, sum.y / norm};
+  const double inv = 1.0 / norm;
+  out.t = {sum.x * inv, sum.y * inv};
   out.n = {out.t.y, -out.t.x};
   out.mean_length = 0.5 * norm;
-  out.length = std::sqrt(line_lo.x * line_lo.x + line_lo.y * line_lo.y);
   const Vec2 mid_lo{0.5 * (la.x + lb.x), 0.5 * (la.y + lb.y)};
   const Vec2 mid_hi{0.5 * (ha.x + hb.x), 0.5 * (ha.y + hb.y)};
   const Vec2 dm{p.d.x + (mid_hi.x - mid_lo.x), p.d.y + (mid_hi.y - mid_lo.y)};
@@ -98,12 +132,11 @@ inline BondLine bond_line(const BondShape &b, const BondPose &p) {
 // tension), whose tip lies at the tensile strength: cohesion = tensile tan(phi). The displacement does not depend on what has failed, the shear is uniform and the normal
 // stress linear, so the admissible part is one interval and one pass finds the final state.
 // Returns true if any of the line failed.
-inline bool bond_fracture(const BondMaterial &m, double compressive, const BondLine &line,
+inline bool bond_fracture(const BondMaterial &m, const BondConstants &c, const BondLine &line,
                           BondShape &b) {
-  const double per_sigma = b.span / m.young;
-  const double tau = std::fabs(line.dt) * m.shear / b.span;
-  const double sigma_max = m.tensile_share * compressive - tau / m.tan_phi;
-  const double dn_max = sigma_max * per_sigma, dn_min = -compressive * per_sigma;
+  // The envelope divided by the normal stiffness: limits of the normal displacement.
+  const double shear = m.shear_slope * std::fabs(line.dt);
+  const double dn_max = m.tensile_share * c.squeeze - shear, dn_min = -c.squeeze;
   const double end_a = line.dn + (b.xi_lo() - 0.5) * line.dn_slope;
   const double end_b = line.dn + (b.xi_hi() - 0.5) * line.dn_slope;
   const double least = std::min(end_a, end_b), most = std::max(end_a, end_b);
@@ -122,22 +155,21 @@ inline bool bond_fracture(const BondMaterial &m, double compressive, const BondL
 }
 
 // Elastic energy stored in the uncracked part, J.
-inline double bond_energy(const BondMaterial &m, const BondShape &b, const BondLine &line) {
+inline double bond_energy(const BondMaterial &m, const BondConstants &c, const BondShape &b,
+                          const BondLine &line) {
   if (b.broken()) return 0.0;
   const double w = b.xi_hi() - b.xi_lo();
   const double mid = line.dn + (0.5 * (b.xi_lo() + b.xi_hi()) - 0.5) * line.dn_slope;
   const double square = mid * mid + line.dn_slope * line.dn_slope * w * w / 12.0;
-  return 0.5 * b.thickness / b.span * line.length * w *
-         (m.young * square + m.shear * line.dt * line.dt);
+  return 0.5 * c.ratio * c.length * w * (m.young * square + m.shear * line.dt * line.dt);
 }
 
 // Exact integrals of the line force and of its moment about the midline's centre over the uncracked
-// part; reduced_mass in kg sets the damping; dissipation (W) is what the damping takes.
-inline PairForce bond_force(const BondMaterial &m, const BondShape &b, const BondLine &line,
-                            const BondPose &p, double reduced_mass, double &dissipation) {
-  const double kn = m.young * b.thickness / b.span, kt = m.shear * b.thickness / b.span;
-  const double critical = 2.0 * m.damping * std::sqrt(reduced_mass / line.length);
-  const double cn = critical * std::sqrt(kn), ct = critical * std::sqrt(kt);
+// part; dissipation (W) is what the damping takes.
+inline PairForce bond_force(const BondMaterial &m, const BondConstants &c, const BondShape &b,
+                            const BondLine &line, const BondPose &p, double &dissipation) {
+  const double kn = m.young * c.ratio, kt = m.shear * c.ratio;
+  const double cn = c.damping * m.root_young, ct = c.damping * m.root_shear;
   // Relative velocity of the two bodies at the midline: a rigid rotation of the pair has none.
   const Vec2 v{p.v.x - p.spin_hi * line.arm_hi.y + p.spin_lo * line.arm_lo.y,
                p.v.y + p.spin_hi * line.arm_hi.x - p.spin_lo * line.arm_lo.x};
@@ -148,7 +180,7 @@ inline PairForce bond_force(const BondMaterial &m, const BondShape &b, const Bon
   const double qn = kn * (line.dn + xm * line.dn_slope) + cn * vn;
   const double qt = kt * line.dt + ct * vt;
   const double slope = kn * line.dn_slope + cn * vn_slope;
-  const double lw = line.length * w;
+  const double lw = c.length * w;
   const double fn = lw * qn, ft = lw * qt;
   const double moment = -line.mean_length * lw * (xm * qn + slope * w * w / 12.0);
   dissipation = lw * (cn * (vn * vn + vn_slope * vn_slope * w * w / 12.0) + ct * vt * vt);

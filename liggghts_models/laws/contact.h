@@ -16,24 +16,27 @@
 namespace floe {
 
 struct ContactMaterial {
-  double young;        // Pa
-  double shear_ratio;  // tangential over normal stiffness
-  double damping;      // share of critical damping
-  double friction;     // Coulomb coefficient
+  double young;          // Pa
+  double shear_ratio;    // tangential over normal stiffness
+  double damping;        // share of critical damping
+  double damping_ratio;  // tangential over normal damping: root of shear_ratio
+  double friction;       // Coulomb coefficient
 };
 
+// Two elements in touch, "one" and "two". The law is symmetric to the bit: exchanging them negates
+// the force and changes nothing else, so both sides of a rank boundary agree.
 struct ContactPose {
-  Vec2 d;           // centre of hi minus centre of lo, m
+  Vec2 d;           // centre of two minus centre of one, m
   double distance;  // |d|, m
-  double radius_lo, radius_hi;
-  Vec2 v;  // velocity of hi minus velocity of lo, m/s
-  double spin_lo, spin_hi;
+  double radius_one, radius_two;
+  Vec2 v;  // velocity of two minus velocity of one, m/s
+  double spin_one, spin_two;
 };
 
-// History of a pair that is in touch, carried from step to step.
-struct ContactHistory {
-  double slip;          // elastic tangential displacement, m
-  double rest_overlap;  // overlap that makes no force, m
+// What follows from material, thicknesses and masses and stays the same until the ice changes.
+struct ContactConstants {
+  double stiffness;  // normal, N/m
+  double damping;    // normal, N s/m
 };
 
 struct ContactLoss {
@@ -41,56 +44,63 @@ struct ContactLoss {
   double friction;  // J, over the step
 };
 
+// Force on one (two takes the opposite) and torques on both.
+struct ContactForce {
+  Vec2 f;
+  double torque_one, torque_two;
+};
+
 // Normal stiffness N/m from the two thicknesses (m): springs of the two elements in series.
-inline double contact_stiffness(double young, double h_lo, double h_hi) {
-  const double sum = h_lo + h_hi;
-  return sum > 0.0 ? young * h_lo * h_hi / sum : 0.0;
+inline double contact_stiffness(double young, double h_one, double h_two) {
+  const double sum = h_one + h_two;
+  return sum > 0.0 ? young * (h_one * h_two) / sum : 0.0;
+}
+
+inline ContactConstants contact_constants(const ContactMaterial &m, double h_one, double h_two,
+                                          double reduced_mass) {
+  const double stiffness = contact_stiffness(m.young, h_one, h_two);
+  return {stiffness, 2.0 * m.damping * std::sqrt(stiffness * reduced_mass)};
 }
 
 // Overlap that makes force, m. The rest overlap can only shrink, as the pair separates.
 inline double effective_overlap(const ContactPose &p, double &rest_overlap) {
-  const double overlap = p.radius_lo + p.radius_hi - p.distance;
+  const double overlap = (p.radius_one + p.radius_two) - p.distance;
   rest_overlap = std::max(0.0, std::min(rest_overlap, overlap));
   return overlap - rest_overlap;
 }
 
-// Force on lo and torques; step is the time over which the history advances (0: only evaluate).
+// slip is the history: the elastic tangential displacement, m; step the time over which it advances
+// (0: only evaluate).
 template <bool Friction>
-inline PairForce contact_force(const ContactMaterial &m, const ContactPose &p, double stiffness,
-                               double reduced_mass, double overlap, double step,
-                               ContactHistory &history, ContactLoss &loss) {
+inline ContactForce contact_force(const ContactMaterial &m, const ContactConstants &c,
+                                  const ContactPose &p, double overlap, double step, double &slip,
+                                  ContactLoss &loss) {
   const double inv = 1.0 / p.distance;
   const Vec2 n{p.d.x * inv, p.d.y * inv};
   const double vn = p.v.x * n.x + p.v.y * n.y;
-  const double critical = 2.0 * m.damping * std::sqrt(stiffness * reduced_mass);
-  const double elastic = stiffness * overlap;
-  const double fn = std::max(0.0, elastic - critical * vn);
+  const double elastic = c.stiffness * overlap;
+  const double fn = std::max(0.0, elastic - c.damping * vn);
   loss.damping = (elastic - fn) * vn;
   loss.friction = 0.0;
-  PairForce out;
-  out.f = {-fn * n.x, -fn * n.y};
-  out.torque_lo = out.torque_hi = 0.0;
-  if constexpr (Friction) {
-    // The levers add up to the distance of the centres, else angular momentum would be lost.
-    const double share = p.distance / (p.radius_lo + p.radius_hi);
-    const double arm_lo = p.radius_lo * share, arm_hi = p.radius_hi * share;
-    const double vt = -p.v.x * n.y + p.v.y * n.x - p.spin_lo * arm_lo - p.spin_hi * arm_hi;
-    const double kt = m.shear_ratio * stiffness;
-    const double limit = m.friction * fn;
-    const double cap = kt > 0.0 ? limit / kt : 0.0;
-    const double trial = history.slip + vt * step;
-    history.slip = std::max(-cap, std::min(trial, cap));
-    const double spring = kt * history.slip;
-    loss.friction = (trial - history.slip) * spring;
-    const double viscous = critical * std::sqrt(m.shear_ratio) * vt;
-    const double ft = std::max(-limit, std::min(spring + viscous, limit));
-    loss.damping += (ft - spring) * vt;
-    out.f.x -= ft * n.y;
-    out.f.y += ft * n.x;
-    out.torque_lo = arm_lo * ft;
-    out.torque_hi = arm_hi * ft;
+  if constexpr (!Friction) return {{-fn * n.x, -fn * n.y}, 0.0, 0.0};
+  // The levers add up to the distance of the centres, else angular momentum would be lost.
+  const double share = p.distance / (p.radius_one + p.radius_two);
+  const double arm_one = p.radius_one * share, arm_two = p.radius_two * share;
+  const double turning = p.spin_one * arm_one + p.spin_two * arm_two;
+  const double vt = (p.v.y * n.x - p.v.x * n.y) - turning;
+  const double kt = m.shear_ratio * c.stiffness, limit = m.friction * fn;
+  const double trial = slip + vt * step;
+  double spring = kt * trial;
+  slip = trial;
+  if (std::fabs(spring) > limit) {
+    slip = std::copysign(limit / kt, trial);
+    spring = kt * slip;
+    loss.friction = (trial - slip) * spring;
   }
-  return out;
+  const double viscous = m.damping_ratio * c.damping * vt;
+  const double ft = std::max(-limit, std::min(spring + viscous, limit));
+  loss.damping += (ft - spring) * vt;
+  return {{-fn * n.x - ft * n.y, -fn * n.y + ft * n.x}, arm_one * ft, arm_two * ft};
 }
 
 }  // namespace floe

@@ -125,14 +125,18 @@ inline DriftStep drift_step(const DriftLaw &law, const DriftInput &in, double st
   return out;
 }
 
-// New spin of a disc (inertia m r^2 / 2) under a torque (N m) and the rotational drag
+// New spin of a disc (inertia m r^2 / 2) under a torque (N m) alone; per_mass is step / mass.
+inline double free_spin_step(double spin, double torque, double per_mass, double radius) {
+  return spin + per_mass * torque / (0.5 * radius * radius);
+}
+
+// The same with the rotational drag
 // (2/5) A rho_w C_w r^3 |dw| dw against half the current's vorticity; drag at the new time.
 inline double spin_step(bool use_ocean, double water, double spin, double torque, double mass,
                         double radius, double area, double vorticity, double step) {
-  const double inertia = 0.5 * mass * radius * radius;
-  const double free_spin = spin + step * torque / inertia;
+  const double free_spin = free_spin_step(spin, torque, step / mass, radius);
   if (!use_ocean) return free_spin;
-  const double gamma = step * 0.4 * area * water * radius * radius * radius / inertia;
+  const double gamma = 0.8 * step / mass * area * water * radius;
   const double y0 = 0.5 * vorticity - free_spin;
   // y (1 + gamma |y|) = y0, solved without cancellation
   return 0.5 * vorticity - 2.0 * y0 / (1.0 + std::sqrt(1.0 + 4.0 * gamma * std::fabs(y0)));

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "bond_command.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "fix_floe_integrate.h"
+#include "force.h"
+#include "history.h"
+#include "neigh_list.h"
+#include "pair_floe.h"
+#include "pair_gran.h"
+#include "plugin.h"
+
+using namespace LAMMPS_NS;
+namespace slot = floe::slot;
+
+namespace {
+
+// End of the line at a distance along the tangent, in the body frame of an element whose centre is
+// `arm` away from the line's centre along the normal.
+void put_end(double *h, double cos, double sin, floe::Vec2 n, double arm, double along) {
+  const floe::Vec2 t{-n.y, n.x};
+  const floe::Vec2 p{arm * n.x + along * t.x, arm * n.y + along * t.y};
+  h[0] = cos * p.x + sin * p.y;
+  h[1] = cos * p.y - sin * p.x;
+}
+
+}  // namespace
+
+void BondCommand::command(int narg, char **arg) {
+  double gap = -1.0, thickness = -1.0, width = 0.577350269189626;
+  for (int k = 0; k + 1 < narg; k += 2) {
+    const std::string key = arg[k];
+    const double value = force->numeric(FLERR, arg[k + 1]);
+    if (key == "gap")
+      gap = value;
+    else if (key == "thickness")
+      thickness = value;
+    else if (key == "width")
+      width = value;
+    else
+      error->all(FLERR, ("floe_bonds: unknown keyword " + key).c_str());
+  }
+  if (narg % 2 || !(gap >= 0.0) || !(thickness > 0.0) || !(width > 0.0)) {
+    error->all(FLERR, "floe_bonds needs gap (not negative), thickness and width (above 0)");
+  }
+  const floe::Parts parts = floe::find_parts(lmp);
+  if (!parts.floe || !parts.floe->bonds) {
+    error->all(FLERR, "floe_bonds needs pair_style gran model floe bonds yes");
+  }
+  if (!parts.pair->list || !parts.pair->list->inum) {
+    error->all(FLERR, "floe_bonds needs lists of neighbours: give `run 0` first");
+  }
+  const NeighList *list = parts.pair->list, *past = parts.pair->listgranhistory;
+  const int size = parts.pair->dnum();
+  double **x = atom->x, **omega = atom->omega;
+  double made = 0.0;
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii];
+    for (int jj = 0; jj < list->numneigh[i]; ++jj) {
+      const int j = list->firstneigh[i][jj] & NEIGHMASK;
+      const int lo = atom->tag[i] < atom->tag[j] ? i : j, hi = i + j - lo;
+      const floe::Vec2 d{x[hi][0] - x[lo][0], x[hi][1] - x[lo][1]};
+      const double span = std::sqrt(d.x * d.x + d.y * d.y);
+      const double ri = atom->radius[lo], rj = atom->radius[hi];
+      if (span > ri + rj + gap) continue;
+      double *h = past->firstdouble[i] + static_cast<std::ptrdiff_t>(size) * jj;
+      past->firstneigh[i][jj] = 1;
+      std::fill(h, h + size, 0.0);
+      const floe::Vec2 n{d.x / span, d.y / span};
+      const double half = width * std::min(ri, rj), arm = span * ri / (ri + rj);
+      // The tangent (-n_y, n_x) runs from a to b: looking along it the lower id lies on the left.
+      put_end(h + slot::lo_ax, omega[lo][0], omega[lo][1], n, arm, -half);
+      put_end(h + slot::lo_bx, omega[lo][0], omega[lo][1], n, arm, half);
+      put_end(h + slot::hi_ax, omega[hi][0], omega[hi][1], n, arm - span, -half);
+      put_end(h + slot::hi_bx, omega[hi][0], omega[hi][1], n, arm - span, half);
+      h[slot::span] = span;
+      h[slot::bond_thickness] = thickness;
+      parts.floe->finish_bond(h, i, j);
+      if (span > parts.floe->reach * (ri + rj)) {
+        error->one(FLERR, "floe_bonds: a bond is longer than the pair style's reach");
+      }
+      made += j < atom->nlocal ? 1.0 : 0.5;
+    }
+  }
+  double total;
+  MPI_Allreduce(&made, &total, 1, MPI_DOUBLE, MPI_SUM, world);
+  const std::string text = "floe_bonds: " + std::to_string(std::llround(total)) + " bonds\n";
+  if (comm->me == 0 && screen) std::fputs(text.c_str(), screen);
+  if (comm->me == 0 && logfile) std::fputs(text.c_str(), logfile);
+}
