@@ -15,8 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from floeflow.config.blocks import Packing
-from floeflow.preprocess import bonds, discs, packing, points, tessellation
-from floeflow.preprocess.grids import Grid
+from floeflow.preprocess import bonds, packing, tessellation
 from floeflow.state.files import checksum
 
 SPACING = 5.0e4
@@ -143,14 +142,6 @@ def test_ids_count_mobile_elements_first(packed: xr.Dataset) -> None:
     assert (np.diff(packed["type"].values) >= 0).all()
 
 
-def test_neighbours_in_memory_are_near(packed: xr.Dataset) -> None:
-    is_mobile = mobile(packed)
-    x, y = packed["x"].values[is_mobile], packed["y"].values[is_mobile]
-    step = np.hypot(np.diff(x), np.diff(y))
-    spacing = 2 * packed["radius"].values[is_mobile].mean()
-    assert np.median(step) < 1.5 * spacing
-
-
 def rings(packed: xr.Dataset) -> list[np.ndarray]:
     xy = np.stack([packed["cell_x"].values, packed["cell_y"].values], axis=1)
     start = packed["cell_start"].values
@@ -251,11 +242,6 @@ def test_same_seed_same_bits_in_another_process(packed: xr.Dataset) -> None:
     assert run.stdout.strip() == checksum(packed)
 
 
-def test_another_seed_gives_other_places(mask: xr.Dataset, packed: xr.Dataset) -> None:
-    other = packing.make_packing(mask, Packing(elements=300), 8)
-    assert checksum(other) != checksum(packed)
-
-
 def test_no_coast_without_the_key(mask: xr.Dataset) -> None:
     made = packing.make_packing(mask, Packing(elements=50, coast=False), 7)
     assert mobile(made).all()
@@ -311,72 +297,3 @@ def test_any_mask_keeps_the_invariants(
     check_places(mask, made)
     table = bonds.make_bonds(made, 0.2, 0.0)
     assert (table["bond_length"].values > 0).all()
-
-
-def test_bonds_join_near_neighbours_with_ice(packed: xr.Dataset) -> None:
-    near, all_edges = (bonds.make_bonds(packed, gap, 0.0) for gap in (0.1, 1.0))
-    assert 0 < near.sizes["bond"] < all_edges.sizes["bond"] <= packed.sizes["edge"]
-    lo, hi = near["bond_id_lo"].values - 1, near["bond_id_hi"].values - 1
-    x, y, radius = (packed[name].values for name in ("x", "y", "radius"))
-    span = np.hypot(x[hi] - x[lo], y[hi] - y[lo])
-    np.testing.assert_allclose(near["bond_span"], span, rtol=1e-14)
-    assert (span < 1.1 * (radius[lo] + radius[hi])).all()
-    volume = packed["ice_volume"].values[:, 0]
-    np.testing.assert_array_equal(near["bond_thickness"], np.minimum(volume[lo], volume[hi]))
-    assert mobile(packed)[lo].all() and mobile(packed)[hi].all()
-
-
-def test_open_ice_has_no_bonds(packed: xr.Dataset) -> None:
-    fraction = packed["ice_fraction"].values[:, 0]
-    table = bonds.make_bonds(packed, 0.2, 0.6)
-    assert 0 < table.sizes["bond"] < bonds.make_bonds(packed, 0.2, 0.0).sizes["bond"]
-    for end in ("lo", "hi"):
-        assert fraction[table[f"bond_id_{end}"].values - 1].min() >= 0.6
-
-
-def test_hilbert_curve_visits_neighbours() -> None:
-    side = 32
-    x, y = (part.ravel() + 0.5 for part in np.meshgrid(np.arange(side), np.arange(side)))
-    order = np.argsort(points.hilbert_key(x, y, 0.0, 0.0, float(side)))
-    step = np.abs(np.diff(x[order])) + np.abs(np.diff(y[order]))
-    assert (step == 1).all()
-
-
-def test_thinning_is_a_largest_set_apart() -> None:
-    rng = np.random.default_rng(3)
-    cloud = rng.random((500, 2))
-    kept = points.thin(cloud, rng.permutation(500), 0.07)
-    distance = np.hypot(*(cloud[:, None] - cloud[kept]).transpose(2, 0, 1))
-    assert (distance.min(axis=1) <= 0.07).all()
-    among = distance[kept]
-    np.fill_diagonal(among, np.inf)
-    assert among.min() > 0.07
-
-
-def test_blue_noise_keeps_its_distance() -> None:
-    grid = Grid(np.arange(20) + 0.5, np.arange(20) + 0.5, 1.0, 0.0, 0.0)
-    ice = np.ones((20, 20), dtype=bool)
-    found = points.blue_noise(grid, ice, 200, np.random.Generator(np.random.PCG64(5)))
-    assert len(found) == 200
-    distance = np.hypot(*(found[:, None] - found).transpose(2, 0, 1))
-    np.fill_diagonal(distance, np.inf)
-    # White noise of this density has pairs at a tenth of its mean spacing.
-    assert distance.min() > 0.6 * np.sqrt(400 / 200)
-
-
-def test_power_diagram_of_two_discs_is_their_radical_axis() -> None:
-    grid = Grid(np.arange(10) + 0.5, np.arange(10) + 0.5, 1.0, 0.0, 0.0)
-    places, radius = np.array([[2.0, 5.0], [7.0, 5.0]]), np.array([1.0, 3.0])
-    diagram = tessellation.power_diagram(places, radius, grid)
-    # (x - 2)^2 - 1 = (x - 7)^2 - 9
-    axis = (49 - 9 - 4 + 1) / 10
-    assert diagram.ends[0][:, 0] == pytest.approx([axis, axis], abs=1e-9)
-    left = tessellation.overlay(diagram.polygons, grid, np.ones((10, 10), dtype=bool))
-    area = np.bincount(left.element, weights=left.area)
-    assert area == pytest.approx([10 * axis, 100 - 10 * axis], rel=1e-12)
-
-
-def test_radii_of_three_in_a_row() -> None:
-    places = np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]])
-    radius = discs.radii(places, np.full(3, 10.0))
-    assert radius == pytest.approx([0.5, 0.5, 1.5], rel=1e-9)
