@@ -17,8 +17,8 @@ from floeflow.config.blocks import Scene
 # jobs, never other ones.
 STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "land": ("domain", "mask.refine", "mask.land"),
-    "mask": ("domain", "mask"),
-    "packing": ("seed", "domain", "packing", "effects"),
+    "mask": ("domain", "mask", "time.start"),
+    "packing": ("seed", "packing"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration"),
     "forcing": ("domain", "forcing", "time.start", "time.window", "effects"),
     "initial": ("time.start", "effects", "column.ocean_salinity"),
