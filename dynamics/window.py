@@ -10,7 +10,9 @@ import logging
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from floeflow import mpi, stage
 from floeflow.config import Scene, stage_hash
@@ -65,24 +67,26 @@ def run_ranks(job: Job, ranks: int, log: Path) -> None:
             ranks_process.stdin.write(job.to_json() + "\n")
             ranks_process.stdin.close()
             for text in ranks_process.stdout:
-                event = _event(text)
-                if "error" in event:
-                    fault = fault or str(event["error"])
-                elif "step" in event:
-                    show(event)
+                for event in _events(text):
+                    if "step" in event:
+                        show(event)
+                    fault = fault or str(event.get("error", ""))
     if ranks_process.returncode:
         raise FloeError(fault or _last_words(job, log, ranks_process.returncode))
 
 
-def _event(text: str) -> dict[str, object]:
-    try:
-        event = json.loads(text)
-    except ValueError:
-        event = None
-    if isinstance(event, dict):
-        return event
-    logging.info("ranks: %s", text.rstrip())
-    return {}
+def _events(text: str) -> Iterator[dict[str, Any]]:
+    """Events of one line: what ranks say at once arrives joined."""
+    decoder = json.JSONDecoder()
+    while text := text.strip():
+        try:
+            event, end = decoder.raw_decode(text)
+        except ValueError:
+            logging.info("ranks: %s", text)
+            return
+        text = text[end:]
+        if isinstance(event, dict):
+            yield event
 
 
 def _last_words(job: Job, log: Path, code: int) -> str:

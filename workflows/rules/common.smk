@@ -61,7 +61,8 @@ def stage_benchmarks(wildcards):
         stages.insert(0, "land")
     if bonds_input(wildcards):
         stages.insert(-2, "bonds")
+    windows = [f"window/{window}" for window in RUN.ends]
     grids = [f"grid/{window}" for window in ["0000", *RUN.ends]]
     forcing = [f"forcing/{window}" for window in RUN.windows]
-    names = [*stages, *forcing, *grids]
+    names = [*stages, *forcing, *windows, *grids]
     return [f"results/{wildcards.scene}/benchmarks/{name}.tsv" for name in names]
