@@ -40,6 +40,7 @@ class Place:
     def scene(self, base: str = "smoke", /, **changes: object) -> Path:
         """Write a shipped scene with changes, given as block={key: value} or key=value."""
         data = yaml.safe_load((PROJECT / f"config/scenes/{base}.yaml").read_text())
+        data.setdefault("name", base)
         for name, change in changes.items():
             if isinstance(change, dict):
                 data[name] = {**data.get(name, {}), **change}
