@@ -33,8 +33,9 @@ class Place:
             *("--profile", str(PROJECT / "workflows/profiles/local")),
             *("--directory", str(self.folder)),
             *("--cores", "2", "--set-threads", f"window={ranks}"),
-            *("--config", f"scene={scene}"),
-            *more,
+            *[option for option in more if option.startswith("-")],
+            *("--config", f"scene={scene}", "--"),
+            *[target for target in more if not target.startswith("-")],
         ]
 
     def scene(self, base: str = "smoke", /, **changes: object) -> Path:

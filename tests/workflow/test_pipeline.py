@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 import xarray as xr
@@ -16,10 +17,9 @@ from floeflow.state import read_dataset, read_state
 pytestmark = pytest.mark.workflow
 
 
-def planned(place: Place, scene, *more: str) -> dict[str, int]:
+def planned(place: Place, scene: Path) -> dict[str, int]:
     """Jobs that Snakemake would run, by rule."""
-    done = place.run(scene, "-n", "--quiet", "rules", *more)
-    done = place.run(scene, "-n", *more)
+    done = place.run(scene, "-n")
     assert done.returncode == 0, done.stdout
     table = re.search(r"Job stats:\njob +count\n[- ]+\n(.*?)\n\n", done.stdout, re.S)
     if table is None:

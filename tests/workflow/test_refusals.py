@@ -71,7 +71,9 @@ def test_missing_and_broken_inputs_are_named_before_any_job(place: Place):
 
 
 def test_an_unknown_configuration_value_is_refused(place: Place):
-    done = place.run(place.scene(), "--config", "scen=x")
+    scene = place.scene()
+    (place.folder / "other.yaml").write_text("scen: x\n")
+    done = place.run(scene, f"--configfile={place.folder / 'other.yaml'}")
     assert done.returncode == 1
     assert "floeflow: --config scen=...: only scene=PATH is known" in done.stdout
 
