@@ -203,6 +203,8 @@ class Engine:
         return out
 
     def _open(self) -> None:
+        if not self.log.parent.is_dir():
+            raise FloeError(f"The folder {self.log.parent} for LIGGGHTS' log does not exist.")
         words = ["liggghts", "-screen", "none", "-log", str(self.log)]
         arguments = (ctypes.c_char_p * len(words))(*(word.encode() for word in words))
         handle = ctypes.c_void_p(MPI._addressof(self.comm))

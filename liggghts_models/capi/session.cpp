@@ -16,6 +16,7 @@
 #include "liggghts_error.h"
 #include "pair_floe.h"
 #include "plugin.h"
+#include "update.h"
 
 using namespace LAMMPS_NS;
 
@@ -32,8 +33,11 @@ namespace {
 
 LAMMPS *lmp_of(void *instance) { return static_cast<LAMMPS *>(instance); }
 
+// Velocities belong to half a step before the positions. kinetic and rotational take them as they
+// are, kinetic_now and rotational_now at the time of the positions, half a step of contact force on.
 struct KineticSums {
-  double kinetic = 0.0, rotational = 0.0, momentum_x = 0.0, momentum_y = 0.0, elements = 0.0;
+  double kinetic = 0.0, rotational = 0.0, kinetic_now = 0.0, rotational_now = 0.0;
+  double momentum_x = 0.0, momentum_y = 0.0, elements = 0.0;
 };
 
 KineticSums kinetic_sums(LAMMPS *lmp) {
@@ -46,6 +50,11 @@ KineticSums kinetic_sums(LAMMPS *lmp) {
     const double u = atom->v[i][0], v = atom->v[i][1];
     out.kinetic += 0.5 * m * (u * u + v * v);
     out.rotational += 0.25 * m * r * r * w * w;
+    const double half = 0.5 * lmp->update->dt / m;
+    const double nu = u + half * atom->f[i][0], nv = v + half * atom->f[i][1];
+    const double nw = w + half * atom->torque[i][2] / (0.5 * r * r);
+    out.kinetic_now += 0.5 * m * (nu * nu + nv * nv);
+    out.rotational_now += 0.25 * m * r * r * nw * nw;
     out.momentum_x += m * u;
     out.momentum_y += m * v;
   }
@@ -95,9 +104,10 @@ int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, c
 }
 
 const char *floe_sum_names(void) {
-  static const std::string names = std::string(floe::ledger_names()) +
-                                   " elastic_bond elastic_contact bonds contacts max_overlap"
-                                   " kinetic rotational momentum_x momentum_y elements";
+  static const std::string names =
+      std::string(floe::ledger_names()) +
+      " elastic_bond elastic_contact bonds contacts max_overlap"
+      " kinetic rotational kinetic_now rotational_now momentum_x momentum_y elements";
   return names.c_str();
 }
 

@@ -79,7 +79,8 @@ inline ContactForce contact_force(const ContactMaterial &m, const ContactConstan
   const Vec2 n{p.d.x * inv, p.d.y * inv};
   const double vn = p.v.x * n.x + p.v.y * n.y;
   const double elastic = c.stiffness * overlap;
-  const double fn = std::max(0.0, elastic - c.damping * vn);
+  // What is not finite must come through: the order of the arguments keeps a NaN.
+  const double fn = std::max(elastic - c.damping * vn, 0.0);
   loss.damping = (elastic - fn) * vn;
   loss.friction = 0.0;
   if constexpr (!Friction) return {{-fn * n.x, -fn * n.y}, 0.0, 0.0};
@@ -98,7 +99,7 @@ inline ContactForce contact_force(const ContactMaterial &m, const ContactConstan
     loss.friction = (trial - slip) * spring;
   }
   const double viscous = m.damping_ratio * c.damping * vt;
-  const double ft = std::max(-limit, std::min(spring + viscous, limit));
+  const double ft = std::max(std::min(spring + viscous, limit), -limit);
   loss.damping += (ft - spring) * vt;
   return {{-fn * n.x - ft * n.y, -fn * n.y + ft * n.x}, arm_one * ft, arm_two * ft};
 }

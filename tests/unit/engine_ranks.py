@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Run by test_engine_mpi.py under mpirun: a raft is loaded, run, written, loaded again, run."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+from rafts import bonded, lattice, uniform
+
+from floeflow.dynamics.engine import Engine, EngineParams
+
+
+def main(out: Path, start: Path | None) -> None:
+    """Write elements, bonds, contacts and sums after 1000 steps, and after 1000 more."""
+    raft = lattice(20, 15)
+    random = np.random.default_rng(11)
+    raft["thickness"] = random.uniform(0.5, 2.0, len(raft["id"]))
+    raft["mass"] = raft["mass"] * raft["thickness"]
+    raft["type"][raft["y"] == 0] = 2
+    raft["u"] = np.where(raft["type"] == 2, 0.0, -3e-5 * raft["x"] + 0.4)
+    table = bonded(raft)
+    coast = (raft["type"][table["id_lo"] - 1] == 2) & (raft["type"][table["id_hi"] - 1] == 2)
+    state = [raft, {name: values[~coast] for name, values in table.items()}, None]
+    if start is not None:
+        with np.load(start) as data:
+            for k, kind in enumerate(("element", "bond", "contact")):
+                names = [name for name in data.files if name.startswith(f"{kind}.")]
+                state[k] = {name.removeprefix(f"{kind}."): data[name] for name in names}
+    switches = dict.fromkeys(("bonds", "wind", "ocean_drag", "coriolis", "tilt"), True)
+    params = EngineParams(time_step=0.2, **switches)
+    comm = MPI.COMM_WORLD
+    with Engine(comm, params, out / f"log.{comm.size}") as engine:
+        for part in ("first", "second"):
+            engine.load(*state)
+            engine.set_forcing(uniform((10.0, 5.0), (0.1, 0.1), 1.4e-4))
+            engine.run(1000)
+            state = [engine.elements(), engine.bonds(), engine.contacts()]
+            sums = engine.diagnostics()
+            if comm.rank == 0:
+                named = {
+                    f"{kind}.{name}": values
+                    for kind, values_of in zip(("element", "bond", "contact"), state, strict=True)
+                    for name, values in values_of.items()
+                }
+                np.savez(out / f"{part}.npz", **named, **{f"sum.{k}": v for k, v in sums.items()})
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]) if len(sys.argv) > 2 else None)

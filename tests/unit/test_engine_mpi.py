@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The engine on one and on two ranks: the same ice."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from floeflow.mpi import mpi_environment
+
+pytestmark = pytest.mark.mpi
+
+Result = dict[str, np.ndarray]
+
+
+def run(folder: Path, ranks: int, start: Path | None = None) -> tuple[Result, Result]:
+    folder.mkdir(parents=True, exist_ok=True)
+    script = Path(__file__).with_name("engine_ranks.py")
+    command = ["mpirun", "-n", str(ranks), sys.executable, str(script), str(folder)]
+    done = subprocess.run(
+        command + ([str(start)] if start else []),
+        env=mpi_environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    parts = []
+    for part in ("first", "second"):
+        with np.load(folder / f"{part}.npz") as data:
+            parts.append({name: data[name] for name in data.files})
+    return parts[0], parts[1]
+
+
+@pytest.fixture(scope="module")
+def ranks(tmp_path_factory: pytest.TempPathFactory) -> dict[int, tuple[Result, Result]]:
+    folder = tmp_path_factory.mktemp("ranks")
+    return {n: run(folder / str(n), n) for n in (1, 2)}
+
+
+def test_one_and_two_ranks_agree_over_the_first_1000_steps(
+    ranks: dict[int, tuple[Result, Result]],
+) -> None:
+    one, two = ranks[1][0], ranks[2][0]
+    assert 0 < one["sum.bonds_broken"] and 0 < one["sum.bonds"]
+    assert ((one["bond.crack_a"] > 0) | (one["bond.crack_b"] > 0)).any()
+    for name in ("bond.id_lo", "bond.id_hi", "contact.id_lo", "contact.id_hi"):
+        np.testing.assert_array_equal(one[name], two[name])
+    for name in ("bond.crack_a", "bond.crack_b"):
+        np.testing.assert_allclose(one[name], two[name], atol=1e-9)
+    for name in ("element.x", "element.y"):
+        scale = np.ptp(one[name])
+        np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-9 * scale)
+
+
+def test_sums_agree_and_each_pair_is_counted_once(ranks: dict[int, tuple[Result, Result]]) -> None:
+    one, two = ranks[1][0], ranks[2][0]
+    for name in one:
+        if name.startswith("sum."):
+            scale = abs(float(one["sum.work_wind"])) if "work" in name else 1.0
+            np.testing.assert_allclose(two[name], one[name], rtol=1e-6, atol=1e-6 * scale)
+    for name in ("bonds", "contacts", "bonds_broken", "bonds_cracked", "elements"):
+        assert two[f"sum.{name}"] == one[f"sum.{name}"]
+
+
+def test_two_ranks_repeat_themselves_to_the_bit(
+    ranks: dict[int, tuple[Result, Result]], tmp_path: Path
+) -> None:
+    again = run(tmp_path, 2)
+    for a, b in zip(ranks[2], again, strict=True):
+        for name in a:
+            np.testing.assert_array_equal(a[name], b[name], err_msg=name)
+
+
+def test_a_state_goes_on_with_another_number_of_ranks(
+    ranks: dict[int, tuple[Result, Result]], tmp_path: Path
+) -> None:
+    state = tmp_path / "state.npz"
+    np.savez(state, **ranks[1][0])
+    moved = run(tmp_path, 2, state)[0]  # its first part continues from the state
+    kept = ranks[1][1]
+    np.testing.assert_array_equal(moved["bond.id_hi"], kept["bond.id_hi"])
+    for name in ("element.x", "element.y"):
+        scale = np.ptp(kept[name])
+        np.testing.assert_allclose(moved[name], kept[name], rtol=0, atol=1e-9 * scale)
