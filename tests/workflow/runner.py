@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -132,3 +134,13 @@ def kill_alone(process: subprocess.Popen[str]) -> None:
     """``kill -9`` Snakemake only; its job lives on."""
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
+
+
+@contextlib.contextmanager
+def paused(process: subprocess.Popen[str]) -> Iterator[None]:
+    """Hold a run and its jobs where they are, so that what is tried meanwhile finds them alive."""
+    os.killpg(process.pid, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.killpg(process.pid, signal.SIGCONT)

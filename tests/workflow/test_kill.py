@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from runner import Done, Place, drain, kill_all, kill_alone, read_until
+from runner import Done, Place, drain, kill_all, kill_alone, paused, read_until
 
 from floeflow.state import read_state
 
@@ -57,8 +57,9 @@ def test_a_job_that_outlives_its_run_is_waited_for(smoke: Done, copy):
     place, scene = start_over(copy)
     run = place.start(scene, TARGET)
     read_until(run, "window 0002: step")
-    kill_alone(run)
-    refused = place.run(scene, TARGET)
+    with paused(run):
+        kill_alone(run)
+        refused = place.run(scene, TARGET)
     assert refused.returncode == 1
     assert "a job of an earlier run still writes this scene (process" in refused.stdout
     drain(run)
@@ -74,12 +75,13 @@ def test_a_second_run_is_told_who_holds_the_scene(smoke: Done, copy):
     place, scene = start_over(copy)
     run = place.start(scene, TARGET)
     read_until(run, "window 0001: step")
-    second = place.run(scene, TARGET)
+    with paused(run):
+        second = place.run(scene, TARGET)
+        # Looking is allowed meanwhile.
+        assert place.run(scene, "-n", TARGET).returncode == 0
     assert second.returncode == 1
     assert f"another run holds this scene (process {run.pid})" in second.stdout
     assert "Traceback" not in second.stdout
-    # Looking is allowed meanwhile.
-    assert place.run(scene, "-n", TARGET).returncode == 0
     rest = drain(run)
     assert run.returncode == 0, rest
     assert checksums(place.results()) == checksums(smoke.results)

@@ -55,7 +55,11 @@ def test_the_first_thousand_steps_agree(smoke: Done, copy: Callable[[], Place]):
     for name in ("bond_id_lo", "bond_id_hi"):
         assert np.array_equal(one[name].values, two[name].values)
     for name in ("bond_crack_a", "bond_crack_b"):
-        assert one[name].values == pytest.approx(two[name].values, abs=1e-9)
+        a, b = one[name].values, two[name].values
+        assert np.array_equal(a > 0, b > 0)
+        # A crack's end is a displacement of some metres over its slope along the line: it is
+        # known to fewer digits than the positions, which are millions of metres.
+        assert a == pytest.approx(b, abs=1e-6)
     start = read_state(smoke.results / "state/0000.nc")
     broken = start.sizes["bond"] - one.sizes["bond"]
     cracked = np.count_nonzero(one["bond_crack_a"].values + one["bond_crack_b"].values)
