@@ -20,6 +20,7 @@ wildcard_constraints:
 include: "workflows/rules/preprocess.smk"
 include: "workflows/rules/dynamics.smk"
 include: "workflows/rules/postprocess.smk"
+include: "workflows/rules/export.smk"
 
 
 rule all:

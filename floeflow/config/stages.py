@@ -26,6 +26,9 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "column": ("effects", "column", "time.window"),
     "grid": ("domain", "effects", "time.start", "time.window"),
     "diagnostics": ("effects",),
+    "trajectory": ("domain.x_min", "domain.x_max", "domain.y_min", "domain.y_max"),
+    # All that a mesh shows stands in packing and states.
+    "mesh": (),
     "report": ("report", "name", "effects", "domain", "time.start", "time.window"),
 }
 

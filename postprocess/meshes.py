@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Polygon meshes as VTK files for ParaView: the only module that imports meshio.
+
+meshio's last release is of 2024, so it may have to be replaced; what is asked of it is in one
+function here. Polygons go in blocks of one number of corners, the form in which meshio takes them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+from floeflow.errors import FloeError
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+def write_polygons(
+    path: Path, start: Index, x: Array, y: Array, cell_data: Mapping[str, NDArray[np.generic]]
+) -> None:
+    """Write polygons as an unstructured VTK mesh (``.vtu``), whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its folder is made.
+    start : ndarray
+        First corner of each polygon, and the end, (polygon + 1,). Three corners at least.
+    x, y : ndarray
+        Corners of the open rings (m), (corner,).
+    cell_data : mapping
+        Fields by name, (polygon,) or (polygon, 3).
+
+    Raises
+    ------
+    FloeError
+        Where there is no polygon, or the file cannot be written.
+    """
+    corners = np.diff(start)
+    if not len(corners):
+        raise FloeError(f"{path}: there is no polygon to write")
+    blocks, rows = [], []
+    for count in np.unique(corners):
+        row = np.flatnonzero(corners == count)
+        rows.append(row)
+        blocks.append(("polygon", start[row][:, None] + np.arange(count)))
+    mesh = meshio.Mesh(
+        np.stack([x, y, np.zeros_like(x)], axis=1),
+        blocks,
+        cell_data={name: [values[row] for row in rows] for name, values in cell_data.items()},
+    )
+    _write_whole(path, lambda temporary: mesh.write(temporary, file_format="vtu"))
+
+
+def write_series(path: Path, files: Sequence[str], times: Sequence[float]) -> None:
+    """Write a ParaView collection (``.pvd``): meshes and their times, whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    files : sequence of str
+        Paths of the meshes from the folder of this file.
+    times : sequence of float
+        Their times (s).
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be written.
+    """
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
+    collection = ElementTree.SubElement(root, "Collection")
+    for file, time in zip(files, times, strict=True):
+        ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=file)
+    ElementTree.indent(root)
+    tree = ElementTree.ElementTree(root)
+    _write_whole(path, lambda temporary: tree.write(temporary, xml_declaration=True))
+
+
+def _write_whole(path: Path, write: Callable[[Path], None]) -> None:
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write(temporary)
+        os.replace(temporary, path)
+    except OSError as error:
+        with suppress(OSError):
+            temporary.unlink()
+        raise FloeError(f"{path}: cannot be written: {error.strerror}") from None

@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Trajectory of the elements through all states of a run, for OVITO and MDAnalysis.
+
+The file is a LAMMPS text dump: OVITO, VMD and MDAnalysis read it with no second file for the
+topology, it holds any column, and as text it keeps positions of 1e6 m to the millimetre. What each
+program makes of its units and precision stands in docs/export.md.
+"""
+
+import logging
+import os
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from floeflow import stage
+from floeflow.config.blocks import Domain
+from floeflow.constants import ICE_DENSITY, SNOW_DENSITY
+from floeflow.errors import FloeError
+from floeflow.postprocess.collect import intact, window_file
+from floeflow.postprocess.drift import (
+    drift_distance,
+    mean_squared_displacement,
+    relative_dispersion,
+)
+from floeflow.state import read_state, write_dataset
+from floeflow.state.schema import MOBILE
+
+if TYPE_CHECKING:
+    import MDAnalysis
+
+log = logging.getLogger(__name__)
+
+Array = NDArray[np.float64]
+
+KEPT = ("x", "y", "theta", "u", "v", "radius", "area")
+# Columns of the dump after id and type: name there, name here (none: always 0), and format.
+COLUMNS = (
+    ("mass", "mass", "%.9g"),
+    ("x", "x", "%.3f"),
+    ("y", "y", "%.3f"),
+    ("z", None, "%d"),
+    ("vx", "u", "%.9g"),
+    ("vy", "v", "%.9g"),
+    ("vz", None, "%d"),
+    ("radius", "radius", "%.9g"),
+    ("theta", "theta", "%.9g"),
+    ("area", "area", "%.9g"),
+    ("ice_fraction", "ice_fraction", "%.9g"),
+    ("thickness", "thickness", "%.9g"),
+)
+
+
+def make_frames(states: Iterable[xr.Dataset]) -> xr.Dataset:
+    """Lay what a trajectory needs of the states along time.
+
+    Parameters
+    ----------
+    states : iterable of xarray.Dataset
+        States at window boundaries, ascending in time, from the first on; read once.
+
+    Returns
+    -------
+    xarray.Dataset
+        On (time, element): x, y, radius (m), theta (rad), u, v (m/s), area (m2), mass (kg),
+        ice_fraction (1), thickness (m; 0 where an element has no ice). Coordinates time (s), id
+        and type; the bonds intact at the first boundary as columns of their elements,
+        pair(bond, end).
+
+    Raises
+    ------
+    FloeError
+        Where there is no element, or a state has other elements than the first one.
+    """
+    rows: dict[str, list[Array]] = {}
+    times: list[float] = []
+    first: xr.Dataset | None = None
+    for state in states:
+        if first is None:
+            first = state
+        _check_same(first, state)
+        times.append(float(state.attrs["time"]))
+        for name, values in _columns(state).items():
+            rows.setdefault(name, []).append(values)
+    if first is None or not first.sizes["element"]:
+        raise FloeError("trajectory: the run has no elements, so there is nothing to follow")
+    ids = first["id"].values
+    pairs = intact(first) if "bond_id_lo" in first else np.zeros((0, 2), dtype=np.int64)
+    data = {name: (("time", "element"), np.stack(values)) for name, values in rows.items()}
+    return xr.Dataset(
+        data | {"pair": (("bond", "end"), np.searchsorted(ids, pairs).astype(np.int64))},
+        coords={
+            "time": np.asarray(times),
+            "id": ("element", ids),
+            "type": ("element", first["type"].values),
+        },
+    )
+
+
+def _check_same(first: xr.Dataset, state: xr.Dataset) -> None:
+    odd = np.setxor1d(first["id"].values, state["id"].values)
+    if len(odd):
+        windows = [int(each.attrs["window"]) for each in (first, state)]
+        raise FloeError(
+            f"trajectory: element {odd[0]} is in only one of the states {windows[0]:04d} and "
+            f"{windows[1]:04d}, and a trajectory needs the same elements throughout"
+        )
+
+
+def _columns(state: xr.Dataset) -> dict[str, Array]:
+    area = state["area"].values
+    fraction, volume = (state[name].values.sum(axis=1) for name in ("ice_fraction", "ice_volume"))
+    load = ICE_DENSITY * volume
+    if "snow_volume" in state:
+        load = load + SNOW_DENSITY * state["snow_volume"].values.sum(axis=1)
+    thickness = np.divide(volume, fraction, out=np.zeros_like(volume), where=fraction > 0)
+    made = {"mass": area * load, "ice_fraction": fraction, "thickness": thickness}
+    return {name: state[name].values for name in KEPT} | made
+
+
+def make_universe(frames: xr.Dataset, corner: tuple[float, float]) -> "MDAnalysis.Universe":
+    """Make an MDAnalysis Universe in memory, in single precision as all of MDAnalysis.
+
+    Parameters
+    ----------
+    frames : xarray.Dataset
+        From `make_frames`.
+    corner : tuple of float
+        Origin of its coordinates in the scene's projection (m). The lower left corner of the
+        scene gives what MDAnalysis reads from the dump.
+
+    Returns
+    -------
+    MDAnalysis.Universe
+        Atoms in the order of the ids, with ids, types, masses, radii (of the first frame) and the
+        bonds of the first frame. Its Angstrom are metres, its picoseconds seconds.
+    """
+    import MDAnalysis
+
+    universe = MDAnalysis.Universe.empty(frames.sizes["element"], trajectory=False)
+    universe.add_TopologyAttr("ids", frames["id"].values)
+    universe.add_TopologyAttr("types", frames["type"].values.astype(str).astype(object))
+    universe.add_TopologyAttr("masses", frames["mass"].values[0])
+    universe.add_TopologyAttr("radii", frames["radius"].values[0])
+    universe.add_TopologyAttr("bonds", [tuple(pair) for pair in frames["pair"].values.tolist()])
+    places, velocities = (np.zeros((*frames["x"].shape, 3)) for _ in range(2))
+    for axis, (place, velocity) in enumerate((("x", "u"), ("y", "v"))):
+        places[..., axis] = frames[place].values - corner[axis]
+        velocities[..., axis] = frames[velocity].values
+    time = frames["time"].values
+    step = float(time[1] - time[0]) if len(time) > 1 else 1.0
+    universe.load_new(places, order="fac", velocities=velocities, dt=step)
+    return universe
+
+
+def write_dump(frames: xr.Dataset, domain: Domain, path: Path) -> None:
+    """Write a trajectory as a LAMMPS text dump, whole or not at all.
+
+    Parameters
+    ----------
+    frames : xarray.Dataset
+        From `make_frames`.
+    domain : Domain
+        Its rectangle is the box.
+    path : Path
+        The file; its folder is made.
+
+    Raises
+    ------
+    FloeError
+        Where two frames fall on one second, which numbers them, or the file cannot be written.
+    """
+    seconds = np.rint(frames["time"].values).astype(np.int64)
+    if np.any(np.diff(seconds) < 1):
+        raise FloeError(f"{path}: windows below one second cannot be numbered by their seconds")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with temporary.open("w", encoding="ascii") as file:
+            for index, second in enumerate(seconds.tolist()):
+                file.write(_head(second, frames.sizes["element"], domain))
+                file.writelines(_rows(frames.isel(time=index)))
+        os.replace(temporary, path)
+    except OSError as error:
+        with suppress(OSError):
+            temporary.unlink()
+        raise FloeError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _head(second: int, elements: int, domain: Domain) -> str:
+    # z from 0, as MDAnalysis takes the box's lower corner off all positions. No 'ITEM: TIME':
+    # MDAnalysis counts on nine lines.
+    return (
+        f"ITEM: TIMESTEP\n{second}\nITEM: NUMBER OF ATOMS\n{elements}\n"
+        "ITEM: BOX BOUNDS ff ff ff\n"
+        f"{domain.x_min!r} {domain.x_max!r}\n{domain.y_min!r} {domain.y_max!r}\n0.0 1.0\n"
+        f"ITEM: ATOMS id type {' '.join(name for name, _, _ in COLUMNS)}\n"
+    )
+
+
+def _rows(frame: xr.Dataset) -> Iterable[str]:
+    form = " ".join(["%d", "%d", *(form for _, _, form in COLUMNS)]) + "\n"
+    zero = [0] * frame.sizes["element"]
+    columns = [
+        zero if source is None else frame[source].values.tolist() for _, source, _ in COLUMNS
+    ]
+    ids, types = (frame[name].values.tolist() for name in ("id", "type"))
+    return (form % row for row in zip(ids, types, *columns, strict=True))
+
+
+def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
+    """Statistics of the mobile elements' drift.
+
+    Parameters
+    ----------
+    frames : xarray.Dataset
+        From `make_frames`, at least two boundaries.
+
+    Returns
+    -------
+    xarray.Dataset
+        drift_distance(time, element) in m, with id(element); mean_squared_displacement(lag) in m2
+        over lag (s); with bonds at the start relative_dispersion(time) in m2 of their pairs, on
+        whether they still hold or not.
+
+    Raises
+    ------
+    FloeError
+        Where no element is mobile or the windows are not of one length.
+    """
+    time, x, y = (frames[name].values for name in ("time", "x", "y"))
+    mobile = np.flatnonzero(frames["type"].values == MOBILE)
+    lag, msd = mean_squared_displacement(time, x[:, mobile], y[:, mobile])
+    data = xr.Dataset(
+        {
+            "id": ("element", frames["id"].values[mobile], {"units": "1"}),
+            "drift_distance": (
+                ("time", "element"),
+                drift_distance(x[:, mobile], y[:, mobile]),
+                {"units": "m", "long_name": "distance gone since the start"},
+            ),
+            "mean_squared_displacement": (
+                "lag",
+                msd,
+                {"units": "m2", "long_name": "mean over elements and times of the same lag"},
+            ),
+        },
+        coords={"time": ("time", time, {"units": "s"}), "lag": ("lag", lag, {"units": "s"})},
+    )
+    pairs = frames["pair"].values
+    if len(pairs):
+        text = "mean squared change of the vectors between elements bonded at the start"
+        attrs = {"units": "m2", "long_name": text}
+        data["relative_dispersion"] = ("time", relative_dispersion(x, y, pairs), attrs)
+    return data
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``trajectory_files``."""
+    domain = stage.scene(snakemake).domain
+    folder = Path(snakemake.input.states[0]).parent
+    windows = (0, *(int(window) for window in snakemake.params.windows))
+    frames = make_frames(read_state(window_file(folder, window, ".nc")) for window in windows)
+    write_dump(frames, domain, Path(str(snakemake.output.trajectory)))
+    statistics = drift_statistics(frames)
+    write_dataset(statistics, snakemake.output.drift)
+    gone = statistics["drift_distance"].values[-1]
+    log.info(
+        "%d elements in %d frames; the mobile ones went %.4g km on average, %.4g km at most",
+        *(frames.sizes["element"], len(windows), gone.mean() / 1e3, gone.max() / 1e3),
+    )
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])
