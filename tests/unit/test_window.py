@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a window's job says: events of the ranks, progress, the sentence of a fault."""
+
+from __future__ import annotations
+
+import io
+import logging
+from pathlib import Path
+
+import pytest
+
+from floeflow.config import parse_scene
+from floeflow.dynamics import progress, window
+from floeflow.dynamics.job import Job
+from floeflow.errors import FloeError
+
+EVENT = {"window": "0002", "step": 25, "steps": 100, "elements": 40, "seconds": 2.0}
+
+
+@pytest.fixture
+def job(tmp_path: Path) -> Job:
+    """A job whose state does not exist."""
+    scene = parse_scene(b"", "a").model_dump(mode="json")
+    none = str(tmp_path / "none.nc")
+    return Job(scene, none, ["0001"], [none], str(tmp_path), {})
+
+
+def test_events_are_told_apart_on_one_line(caplog: pytest.LogCaptureFixture):
+    with caplog.at_level(logging.INFO):
+        assert list(window._events('{"error": "a"}{"error": "b"}\n')) == [
+            {"error": "a"},
+            {"error": "b"},
+        ]
+        assert list(window._events("mpirun says something\n")) == []
+    assert "mpirun says something" in caplog.text
+
+
+def test_progress_tells_speed_and_time_left():
+    assert progress.line(EVENT) == (
+        "window 0002: step 25 of 100 (25%), 500 element-steps/s, 6 s left"
+    )
+
+
+def test_progress_outlives_its_terminal(monkeypatch: pytest.MonkeyPatch):
+    class Gone(io.StringIO):
+        def write(self, _: str) -> int:
+            raise BrokenPipeError
+
+    monkeypatch.setattr("sys.stderr", Gone())
+    with progress.show_progress(["0002"]) as show:
+        show(EVENT)
+
+
+def test_a_job_survives_its_way_to_the_ranks(job: Job):
+    again = Job.from_json(job.to_json())
+    assert again == job
+    assert again.read_scene() == parse_scene(b"", "a")
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_fault_of_the_ranks_is_one_sentence(job: Job, tmp_path: Path, ranks: int):
+    with pytest.raises(FloeError, match=r"none\.nc: there is no such file$"):
+        window.run_ranks(job, ranks, tmp_path / "ranks.log")
+
+
+def test_ranks_that_say_nothing_are_quoted_from_their_log(job: Job, tmp_path: Path):
+    log = tmp_path / "ranks.log"
+    log.write_text("noise\nERROR: Out of range atoms (../x.cpp:3)\nnoise\n")
+    assert "ERROR: Out of range atoms" in window._last_words(job, log, 1)
+    log.write_text("noise\n")
+    assert "ended with code 7; see " in window._last_words(job, log, 7)
