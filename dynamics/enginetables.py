@@ -46,7 +46,7 @@ def get_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
     library.floe_get_elements(instance, ids, kind, columns)
     ids, kind, columns = (_gather(comm, a) for a in (ids, kind, columns))
     order = np.argsort(ids)
-    out = {"id": ids[order], "type": kind[order]}
+    out: Arrays = {"id": ids[order], "type": kind[order]}
     for k, name in enumerate(COLUMNS):
         out[name] = columns[order, k].copy()
     return out

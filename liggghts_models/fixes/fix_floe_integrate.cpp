@@ -2,6 +2,7 @@
 #include "fix_floe_integrate.h"
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -42,6 +43,7 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
       use_orientation(true),
       law{},
       start_time(0.0),
+      stop_at_fault(true),
       default_thickness(1.0),
       default_ice_area(-1.0) {
   if (!atom->sphere_flag) error->all(FLERR, "Fix floe/integrate needs atom_style granular");
@@ -104,6 +106,8 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
       law.use_coriolis = flag(name);
     else if (key == "tilt")
       law.use_tilt = flag(name);
+    else if (key == "stop_at_fault")
+      stop_at_fault = flag(name);
     else if (key == "air_drag")
       law.air = not_negative(name);
     else if (key == "water_drag")
@@ -154,6 +158,14 @@ void FixFloeIntegrate::note_fault(int i, int kind, int partner, double speed) {
   fault.force_y = atom->f[i][1];
   fault.torque = atom->torque[i][2];
   fault.speed = speed;
+  if (!stop_at_fault) return;
+  const char *what = kind == floe::fault_not_finite ? "became non-finite"
+                     : kind == floe::fault_runaway  ? "moves further than its radius in a step"
+                                                    : "has a bond beyond the pair style's reach";
+  char text[200];
+  std::snprintf(text, sizeof text, "Element %d %s at (%.6g, %.6g), last force (%.6g, %.6g)",
+                atom->tag[i], what, fault.x, fault.y, fault.force_x, fault.force_y);
+  error->one(FLERR, text);
 }
 
 void FixFloeIntegrate::fault_at(int i, int j) {

@@ -60,6 +60,7 @@ class FixFloeIntegrate : public Fix {
   void parse(int narg, char **arg);
   void note_fault(int i, int kind, int partner, double speed);
   void freeze(int i, int kind, double speed);
+  bool stop_at_fault;  // end the run; else keep the element where it is and let the driver ask
   double default_thickness, default_ice_area;
 };
 
