@@ -39,7 +39,6 @@ int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, c
 // Sums of this rank: names separated by blanks, and the numbers in that order (local).
 const char *floe_sum_names(void);
 int floe_sums(void *instance, double *out, int size);
-void floe_clear_sums(void *instance);
 
 // First fault of this rank (local): integers kind step id partner, numbers x y force_x force_y torque
 // speed. Kind 0: none.

@@ -132,10 +132,6 @@ int floe_sums(void *instance, double *out, int size) {
   });
 }
 
-void floe_clear_sums(void *instance) {
-  floe::find_parts(lmp_of(instance)).fix->ledger = floe::Ledger{};
-}
-
 void floe_fault(void *instance, long long *integers, double *numbers) {
   const floe::Fault &fault = floe::find_parts(lmp_of(instance)).fix->fault;
   const long long whole[4] = {fault.kind, fault.step, fault.id, fault.partner};

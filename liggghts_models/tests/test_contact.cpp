@@ -87,6 +87,8 @@ TEST_CASE("contact: friction is capped, keeps its direction and conserves angula
   const ContactPose back = head_on(2.0, 0.0, -0.7);
   const ContactForce g = contact_force<true>(m, c, back, 2.0, 0.1, slip, loss);
   CHECK(g.f.y == doctest::Approx(f.f.y - m.shear_ratio * c.stiffness * 0.07));
+  for (int k = 0; k < 400; ++k) contact_force<true>(m, c, back, 2.0, 0.1, slip, loss);
+  CHECK(slip == doctest::Approx(-stick));
 }
 
 TEST_CASE("contact: evaluating again from the stored history gives the same bits") {
