@@ -177,7 +177,7 @@ class Dynamics(Block):
         0.2, "Tensile strength as a share of the compressive.", "1", gt=0, le=1
     )
     friction_angle: float = key(
-        35.0, "Angle of internal friction (Mohr-Coulomb).", "degree", ge=0, lt=90
+        35.0, "Angle of internal friction (Mohr-Coulomb).", "degree", gt=0, lt=90
     )
     air_drag: float = key(1.2e-3, "Drag coefficient of the air.", "1", ge=0, le=0.1)
     ocean_drag: float = key(5.5e-3, "Drag coefficient of the ocean.", "1", ge=0, le=0.1)
