@@ -35,9 +35,11 @@ timed() { # what to call it, command
     times+=("$(printf '%6d s  %s' $((SECONDS - start)) "$1")")
 }
 
-# Everything that a run makes, with the time of its last change.
+# Everything that a run makes, with the time of its last change; CMake tidies its lists of headers
+# when it is asked whether there is anything to do.
 made() {
     (cd "$fresh$project" && find results build -type f ! -name '*.log' ! -name '*lock' \
+        ! -name 'compiler_depend.*' \
         -printf '%p %T@\n' | sort)
 }
 
