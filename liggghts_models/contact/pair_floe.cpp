@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "atom.h"
+#include "bond_batch.h"
 #include "fix_floe_integrate.h"
 #include "history.h"
 #include "neigh_list.h"
@@ -33,6 +34,8 @@ void break_bond(int &flag, double *h, int size, double overlap) {
   if (overlap > 0.0) h[slot::rest_overlap] = overlap;
 }
 
+}  // namespace
+
 // Sums over the pairs of one rank in one step.
 struct Losses {
   double bond = 0.0, contact = 0.0;       // W
@@ -48,8 +51,6 @@ struct Losses {
     total.bonds_broken += broken;
   }
 };
-
-}  // namespace
 
 void PairFloe::gather() {
   const int all = atom->nlocal + atom->nghost;
@@ -71,6 +72,44 @@ void PairFloe::scatter() {
   }
 }
 
+// A bond that cracks or comes to the end of the neighbours' reach.
+void PairFloe::bond_alone(const BatchBond &b, int size, bool advance, Losses &lost) {
+  double *h = b.history;
+  const Body &lo = bodies_[b.lo], &hi = bodies_[b.hi];
+  BondShape shape = bond_shape(h);
+  const BondConstants constants = bond_constants_at(h);
+  const BondPose pose{{hi.x - lo.x, hi.y - lo.y}, {lo.cos, lo.sin}, {hi.cos, hi.sin},
+                      {hi.u - lo.u, hi.v - lo.v}, lo.spin,          hi.spin};
+  const BondLine line = bond_line(shape, pose);
+  if (advance) {
+    const double sum = lo.radius + hi.radius, square = pose.d.x * pose.d.x + pose.d.y * pose.d.y;
+    if (square > limit2() * sum * sum) fix_->fault_at(b.lo, b.hi);
+    const BondShape before = shape;
+    if (bond_fracture(bond, constants, line, shape)) {
+      const bool counted = b.share == 1.0 || b.lo < atom->nlocal;
+      lost.fracture += b.share * (bond_energy(bond, constants, before, line) -
+                                  bond_energy(bond, constants, shape, line));
+      if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;
+      if (counted && shape.broken()) lost.broken += 1.0;
+      h[slot::crack_a] = shape.crack_a;
+      h[slot::crack_b] = shape.crack_b;
+      if (shape.broken()) {
+        break_bond(*b.flag, h, size, sum - std::sqrt(square));
+        return;
+      }
+    }
+  }
+  double watt;
+  const PairForce force = bond_force(bond, constants, shape, line, pose, watt);
+  lost.bond += b.share * watt;
+  loads_[b.lo].fx += force.f.x;
+  loads_[b.lo].fy += force.f.y;
+  loads_[b.lo].torque += force.torque_lo;
+  loads_[b.hi].fx -= force.f.x;
+  loads_[b.hi].fy -= force.f.y;
+  loads_[b.hi].torque += force.torque_hi;
+}
+
 template <bool Bonds, bool Friction>
 void PairFloe::loop(PairGran *pg) {
   const Body *bodies = bodies_.data();
@@ -81,8 +120,9 @@ void PairFloe::loop(PairGran *pg) {
   const int size = pg->dnum();
   const bool advance = pg->shearupdate() != 0;
   const double step = advance ? update->dt : 0.0;
-  const double limit2 = 0.998 * reach * reach;
   Losses lost;
+  BondBatch batch(bond, limit2(), advance, bodies, loads);
+  const auto alone = [&](const BatchBond &b) { bond_alone(b, size, advance, lost); };
 
   for (int ii = 0; ii < list->inum; ++ii) {
     const int i = list->ilist[ii], tag_i = tag[i];
@@ -95,95 +135,62 @@ void PairFloe::loop(PairGran *pg) {
 
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbour[jj] & NEIGHMASK;
+      double *h = history + static_cast<std::ptrdiff_t>(size) * jj;
+      if (Bonds && flags[jj] && h[slot::span] != 0.0) {
+        const bool i_low = tag_i < tag[j];
+        batch.add({h, flags + jj, i_low ? i : j, i_low ? j : i, j < nlocal ? 1.0 : 0.5});
+        if (batch.full()) batch.finish(alone);
+        continue;
+      }
       const Body &other = bodies[j];
       const double dx = other.x - body.x, dy = other.y - body.y, sum = body.radius + other.radius;
       const double square = dx * dx + dy * dy;
-      double *h = history + static_cast<std::ptrdiff_t>(size) * jj;
-      const bool bonded = Bonds && flags[jj] && h[slot::span] != 0.0;
-      if (!bonded && square >= sum * sum) {
+      if (square >= sum * sum) {
         forget(flags[jj], h);
         continue;
       }
       const double share = j < nlocal ? 1.0 : 0.5;  // a pair across ranks is met on both
-      Vec2 force;                                   // on i
-      double torque_i, torque_j;
-
-      if (bonded) {
-        const bool i_low = tag_i < tag[j];
-        const Body &lo = i_low ? body : other, &hi = i_low ? other : body;
-        const double sign = i_low ? 1.0 : -1.0;
-        BondShape shape = bond_shape(h);
-        const BondConstants constants = bond_constants_at(h);
-        const BondPose pose{{sign * dx, sign * dy},     {lo.cos, lo.sin}, {hi.cos, hi.sin},
-                            {hi.u - lo.u, hi.v - lo.v}, lo.spin,          hi.spin};
-        const BondLine line = bond_line(shape, pose);
-        if (advance) {
-          if (square > limit2 * sum * sum) fix_->fault_at(i, j);
-          const BondShape before = shape;
-          if (bond_fracture(bond, constants, line, shape)) {
-            const bool counted = j < nlocal || i_low;
-            lost.fracture += share * (bond_energy(bond, constants, before, line) -
-                                      bond_energy(bond, constants, shape, line));
-            if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;
-            if (counted && shape.broken()) lost.broken += 1.0;
-            h[slot::crack_a] = shape.crack_a;
-            h[slot::crack_b] = shape.crack_b;
-            if (shape.broken()) {
-              break_bond(flags[jj], h, size, sum - std::sqrt(square));
-              continue;
-            }
-          }
-        }
-        double watt;
-        const PairForce on_lo = bond_force(bond, constants, shape, line, pose, watt);
-        lost.bond += share * watt;
-        force = {sign * on_lo.f.x, sign * on_lo.f.y};
-        torque_i = i_low ? on_lo.torque_lo : on_lo.torque_hi;
-        torque_j = i_low ? on_lo.torque_hi : on_lo.torque_lo;
-      } else {
-        if (!flags[jj]) {
-          flags[jj] = 1;
-          for (int k = 0; k < size; ++k) h[k] = 0.0;
-        }
-        if (h[slot::contact_stiffness] == 0.0) finish_contact(h, i, j);
-        const ContactPose pose{{dx, dy},
-                               std::sqrt(square),
-                               body.radius,
-                               other.radius,
-                               {other.u - body.u, other.v - body.v},
-                               body.spin,
-                               other.spin};
-        double rest = h[slot::rest_overlap], slip = h[slot::slip];
-        const double overlap = effective_overlap(pose, rest);
-        if (advance) h[slot::rest_overlap] = rest;
-        if (overlap <= 0.0) {
-          if (advance) h[slot::slip] = 0.0;
-          continue;
-        }
-        ContactLoss loss;
-        const ContactForce touch =
-            contact_force<Friction>(contact, {h[slot::contact_stiffness], h[slot::contact_damping]},
-                                    pose, overlap, step, slip, loss);
-        if (advance) h[slot::slip] = slip;
-        lost.contact += share * loss.damping;
-        lost.friction += share * loss.friction;
-        force = touch.f;
-        torque_i = touch.torque_one;
-        torque_j = touch.torque_two;
+      if (!flags[jj]) {
+        flags[jj] = 1;
+        for (int k = 0; k < size; ++k) h[k] = 0.0;
       }
-      mine.fx += force.x;
-      mine.fy += force.y;
-      loads[j].fx -= force.x;
-      loads[j].fy -= force.y;
-      if (Bonds || Friction) {
-        mine.torque += torque_i;
-        loads[j].torque += torque_j;
+      if (h[slot::contact_stiffness] == 0.0) finish_contact(h, i, j);
+      const ContactPose pose{{dx, dy},
+                             std::sqrt(square),
+                             body.radius,
+                             other.radius,
+                             {other.u - body.u, other.v - body.v},
+                             body.spin,
+                             other.spin};
+      double rest = h[slot::rest_overlap], slip = h[slot::slip];
+      const double overlap = effective_overlap(pose, rest);
+      if (advance) h[slot::rest_overlap] = rest;
+      if (overlap <= 0.0) {
+        if (advance) h[slot::slip] = 0.0;
+        continue;
+      }
+      ContactLoss loss;
+      const ContactForce touch =
+          contact_force<Friction>(contact, {h[slot::contact_stiffness], h[slot::contact_damping]},
+                                  pose, overlap, step, slip, loss);
+      if (advance) h[slot::slip] = slip;
+      lost.contact += share * loss.damping;
+      lost.friction += share * loss.friction;
+      mine.fx += touch.f.x;
+      mine.fy += touch.f.y;
+      loads[j].fx -= touch.f.x;
+      loads[j].fy -= touch.f.y;
+      if (Friction) {
+        mine.torque += touch.torque_one;
+        loads[j].torque += touch.torque_two;
       }
     }
     loads[i].fx += mine.fx;
     loads[i].fy += mine.fy;
     loads[i].torque += mine.torque;
   }
+  batch.finish(alone);
+  lost.bond += batch.watt;
   lost.add_to(fix_->ledger, step);
 }
 

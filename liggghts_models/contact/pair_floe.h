@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "body.h"
 #include "bond.h"
 #include "contact.h"
 #include "granular_pair_style.h"
@@ -21,15 +22,8 @@ class FixFloeIntegrate;
 
 namespace floe {
 
-// What the loop over pairs reads of an element: one cache line, gathered once per step.
-struct Body {
-  double x, y, u, v, spin, cos, sin, radius;
-};
-
-// What it adds up for an element.
-struct Load {
-  double fx, fy, torque, unused;
-};
+struct BatchBond;
+struct Losses;
 
 // Energy (J) and counts of the present pairs of one rank.
 struct PairSums {
@@ -71,6 +65,8 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
  private:
   template <bool Bonds, bool Friction>
   void loop(LAMMPS_NS::PairGran *);
+  void bond_alone(const BatchBond &, int size, bool advance, Losses &);
+  double limit2() const { return 0.998 * reach * reach; }
   void gather();
   void scatter();
   double reduced_mass(int i, int j) const;
