@@ -19,7 +19,7 @@ struct BatchState {
 
 // Histories and elements of one bond per lane, as packs.
 template <typename P, int Width>
-FLOE_INLINE BatchState<P> gather(const BatchBond *bonds, const Body *bodies) {
+FLOE_INLINE BatchState<P> gather(const ListedBond *bonds, const Body *bodies) {
   static_assert(slot::span == 0 && slot::lo_ax == 3 && slot::bond_thickness == 11 &&
                     slot::bond_length == 12 && slot::bond_squeeze == 15 && slot::bond_size == 16,
                 "the order in which columns are taken");
@@ -47,58 +47,108 @@ FLOE_INLINE BatchState<P> gather(const BatchBond *bonds, const Body *bodies) {
   return out;
 }
 
-}  // namespace
+// Sums lane by lane of four, whatever the width: the same bits on every processor.
+template <typename P>
+struct LaneSums {
+  P part[4 * sizeof(double) / sizeof(P)] = {};
+  double total() const {
+    double lane[4];
+    std::memcpy(lane, part, sizeof lane);
+    return (lane[0] + lane[1]) + (lane[2] + lane[3]);
+  }
+};
+
+struct Task {
+  const BondMaterial material;
+  const double limit2;
+  const bool check;
+  const Body *const bodies;
+  Load *const loads;
+};
+
+template <typename P, int Width, bool Whole>
+FLOE_INLINE void evaluate_pack(const Task &t, const ListedBond *bonds, int count, P &sum,
+                               std::vector<ListedBond> &odd) {
+  const BatchState<P> s = gather<P, Width>(bonds, t.bodies);
+  const BondLineOf<P> line = bond_line(s.shape, s.pose);
+  P power;
+  const PairForceOf<P> force = bond_force(t.material, s.constants, s.shape, line, s.pose, power);
+  const P none{};
+  auto holds = none == none;
+  if (t.check) {
+    const auto limits = bond_limits(t.material, s.constants, line);
+    const auto range = bond_range(line, s.shape);
+    const P square = s.pose.d.x * s.pose.d.x + s.pose.d.y * s.pose.d.y;
+    holds = (range.least >= limits.least) & (range.most <= limits.most) &
+            (square <= t.limit2 * s.radii * s.radii);
+  }
+  double *lo[Width], *hi[Width];
+  P share;
+  for (int k = 0; k < Width; ++k) {
+    lo[k] = &t.loads[bonds[k].lo].fx;
+    hi[k] = &t.loads[bonds[k].hi].fx;
+    share[k] = bonds[k].share;
+  }
+  if (Whole && all(holds)) {
+    sum += share * power;
+  } else {
+    Load nowhere{};
+    for (int k = 0; k < Width; ++k) {
+      if (k < count && holds[k]) continue;
+      lo[k] = hi[k] = &nowhere.fx;
+      power[k] = 0.0;
+      if (k < count) odd.push_back(bonds[k]);
+    }
+    sum += share * power;
+  }
+  add_rows(lo, {force.f.x, force.f.y, force.torque_lo, none});
+  add_rows(hi, {-force.f.x, -force.f.y, force.torque_hi, none});
+}
 
 template <typename P, int Width>
-FLOE_INLINE int BondBatch::evaluate_all() {
-  const int count = count_;
-  int left = 0;
-  for (int k = count; k < count + Width - 1; ++k) bonds_[k] = bonds_[0];
-  for (int first = 0; first < count; first += Width) {
-    BatchBond *const bonds = bonds_ + first;
-    const BatchState<P> s = gather<P, Width>(bonds, bodies_);
-    const BondLineOf<P> line = bond_line(s.shape, s.pose);
-    P power;
-    const PairForceOf<P> force = bond_force(material_, s.constants, s.shape, line, s.pose, power);
-    const P none{};
-    auto holds = none == none;
-    if (check_) {
-      const auto limits = bond_limits(material_, s.constants, line);
-      const auto range = bond_range(line, s.shape);
-      const P square = s.pose.d.x * s.pose.d.x + s.pose.d.y * s.pose.d.y;
-      holds = (range.least >= limits.least) & (range.most <= limits.most) &
-              (square <= limit2_ * s.radii * s.radii);
-    }
-    double *load_lo[Width], *load_hi[Width];
-    Load nowhere{};
-    bool present[Width];
-    for (int k = 0; k < Width; ++k) {
-      const bool real = first + k < count;
-      present[k] = real && holds[k];
-      load_lo[k] = present[k] ? &loads_[bonds[k].lo].fx : &nowhere.fx;
-      load_hi[k] = present[k] ? &loads_[bonds[k].hi].fx : &nowhere.fx;
-    }
-    add_rows(load_lo, {force.f.x, force.f.y, force.torque_lo, none});
-    add_rows(load_hi, {-force.f.x, -force.f.y, force.torque_hi, none});
-    for (int k = 0; k < Width; ++k) {
-      if (present[k])
-        watt += bonds[k].share * power[k];
-      else if (first + k < count)
-        bonds_[left++] = bonds[k];
+FLOE_INLINE double evaluate_all(const Task &t, const std::vector<ListedBond> &bonds,
+                                std::vector<ListedBond> &odd) {
+  constexpr int parts = 4 / Width;
+  LaneSums<P> sums;
+  const int count = static_cast<int>(bonds.size()), whole = count / 4 * 4;
+  for (int first = 0; first < whole; first += 4) {
+    for (int k = 0; k < parts; ++k) {
+      evaluate_pack<P, Width, true>(t, bonds.data() + first + k * Width, Width, sums.part[k], odd);
     }
   }
-  return left;
+  if (whole < count) {
+    ListedBond last[4];
+    for (int k = 0; k < 4; ++k) last[k] = bonds[whole + k < count ? whole + k : whole];
+    for (int k = 0; k < parts; ++k) {
+      evaluate_pack<P, Width, false>(t, last + k * Width, count - whole - k * Width, sums.part[k],
+                                     odd);
+    }
+  }
+  return sums.total();
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] int BondBatch::evaluate_wide() { return evaluate_all<Pack4, 4>(); }
-
-int BondBatch::evaluate() {
-  static const bool wide = __builtin_cpu_supports("avx2");
-  return wide ? evaluate_wide() : evaluate_all<Pack2, 2>();
+[[gnu::target("avx2")]] double evaluate_wide(const Task &t, const std::vector<ListedBond> &bonds,
+                                             std::vector<ListedBond> &odd) {
+  return evaluate_all<Pack4, 4>(t, bonds, odd);
 }
+bool wide() { return __builtin_cpu_supports("avx2"); }
 #else
-int BondBatch::evaluate() { return evaluate_all<Pack2, 2>(); }
+double evaluate_wide(const Task &t, const std::vector<ListedBond> &bonds,
+                     std::vector<ListedBond> &odd) {
+  return evaluate_all<Pack2, 2>(t, bonds, odd);
+}
+bool wide() { return false; }
 #endif
+
+}  // namespace
+
+double BondBatch::evaluate(const BondMaterial &material, double limit2, bool check,
+                           const Body *bodies, Load *loads) {
+  static const bool use_wide = wide();
+  const Task task{material, limit2, check, bodies, loads};
+  odd_.clear();
+  return use_wide ? evaluate_wide(task, bonds_, odd_) : evaluate_all<Pack2, 2>(task, bonds_, odd_);
+}
 
 }  // namespace floe

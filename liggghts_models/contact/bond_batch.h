@@ -2,19 +2,21 @@
 //
 // Bonds of one rank in one step, evaluated several at once.
 //
-// The loop over pairs hands over the bonds it meets. Those that hold get their forces here, two or
-// four in one pass, as the processor can; those that crack or reach too far are few and go back, to
-// be looked at one by one. Either way each bond sees the same operations, so the result does not
-// depend on the width to the bit.
+// The list of bonds is kept until the neighbour lists or the bonds in them change. Bonds that hold get
+// their forces here, two or four in one pass, as the processor can; those that crack or reach too far
+// are few and are given back, to be looked at one by one. Either way each bond sees the same
+// operations, so the result does not depend on the width to the bit.
 #ifndef FLOE_CONTACT_BOND_BATCH_H
 #define FLOE_CONTACT_BOND_BATCH_H
+
+#include <vector>
 
 #include "body.h"
 #include "bond.h"
 
 namespace floe {
 
-struct BatchBond {
+struct ListedBond {
   double *history;
   int *flag;
   int lo, hi;    // elements with the lower and the higher id
@@ -23,39 +25,18 @@ struct BatchBond {
 
 class BondBatch {
  public:
-  // limit2: square of the ratio of distance and sum of radii up to which a bond may reach;
-  // `check` cracks and reach, or only evaluate.
-  BondBatch(const BondMaterial &material, double limit2, bool check, const Body *bodies,
-            Load *loads)
-      : material_(material), limit2_(limit2), check_(check), bodies_(bodies), loads_(loads) {}
+  void clear() { bonds_.clear(); }
+  void add(const ListedBond &bond) { bonds_.push_back(bond); }
 
-  void add(const BatchBond &bond) { bonds_[count_++] = bond; }
-  bool full() const { return count_ == capacity; }
-
-  // Adds the forces of all bonds that hold to the loads, then gives the others to `alone`.
-  template <typename Alone>
-  void finish(const Alone &alone) {
-    const int given = evaluate();
-    for (int k = 0; k < given; ++k) alone(bonds_[k]);
-    count_ = 0;
-  }
-
-  double watt = 0.0;  // that damping took, each pair by its share
+  // Adds the forces of the bonds that hold to the loads, and returns the power (W) that their damping
+  // took. The others are in odd() then. limit2: square of the ratio of distance and sum of radii up to
+  // which a bond may reach; check: look at cracks and reach, or only evaluate.
+  double evaluate(const BondMaterial &material, double limit2, bool check, const Body *bodies,
+                  Load *loads);
+  const std::vector<ListedBond> &odd() const { return odd_; }
 
  private:
-  static constexpr int capacity = 128;
-  int evaluate();  // returns how many are left over, at the beginning of bonds_
-  template <typename P, int Width>
-  int evaluate_all();
-  int evaluate_wide();
-
-  const BondMaterial material_;
-  const double limit2_;
-  const bool check_;
-  const Body *bodies_;
-  Load *loads_;
-  int count_ = 0;
-  BatchBond bonds_[capacity + 3];  // room to fill up the last pack
+  std::vector<ListedBond> bonds_, odd_;
 };
 
 }  // namespace floe

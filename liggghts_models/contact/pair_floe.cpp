@@ -7,10 +7,10 @@
 #include <cstddef>
 
 #include "atom.h"
-#include "bond_batch.h"
 #include "fix_floe_integrate.h"
 #include "history.h"
 #include "neigh_list.h"
+#include "neighbor.h"
 #include "pair_gran.h"
 #include "update.h"
 
@@ -35,6 +35,8 @@ void break_bond(int &flag, double *h, int size, double overlap) {
 }
 
 }  // namespace
+
+bool is_bond(int flag, const double *h) { return flag && h[slot::span] != 0.0; }
 
 // Sums over the pairs of one rank in one step.
 struct Losses {
@@ -72,8 +74,33 @@ void PairFloe::scatter() {
   }
 }
 
+void PairFloe::list_bonds(PairGran *pg) {
+  const NeighList *list = pg->list, *past = pg->listgranhistory;
+  const int *tag = atom->tag;
+  const int size = pg->dnum();
+  batch_.clear();
+  rims_.clear();
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii], count = list->numneigh[i];
+    bool rim = false;
+    for (int jj = 0; jj < count; ++jj) {
+      const int j = list->firstneigh[i][jj] & NEIGHMASK;
+      double *h = past->firstdouble[i] + static_cast<std::ptrdiff_t>(size) * jj;
+      int *flag = past->firstneigh[i] + jj;
+      if (is_bond(*flag, h)) {
+        const bool i_low = tag[i] < tag[j];
+        batch_.add({h, flag, i_low ? i : j, i_low ? j : i, j < atom->nlocal ? 1.0 : 0.5});
+      } else {
+        rim = true;
+      }
+    }
+    if (rim) rims_.push_back(i);
+  }
+  stale_ = false;
+}
+
 // A bond that cracks or comes to the end of the neighbours' reach.
-void PairFloe::bond_alone(const BatchBond &b, int size, bool advance, Losses &lost) {
+void PairFloe::bond_alone(const ListedBond &b, int size, bool advance, Losses &lost) {
   double *h = b.history;
   const Body &lo = bodies_[b.lo], &hi = bodies_[b.hi];
   BondShape shape = bond_shape(h);
@@ -94,6 +121,7 @@ void PairFloe::bond_alone(const BatchBond &b, int size, bool advance, Losses &lo
       h[slot::crack_a] = shape.crack_a;
       h[slot::crack_b] = shape.crack_b;
       if (shape.broken()) {
+        stale_ = true;
         break_bond(*b.flag, h, size, sum - std::sqrt(square));
         return;
       }
@@ -114,18 +142,21 @@ template <bool Bonds, bool Friction>
 void PairFloe::loop(PairGran *pg) {
   const Body *bodies = bodies_.data();
   Load *loads = loads_.data();
-  const int *tag = atom->tag;
   const int nlocal = atom->nlocal;
   const NeighList *list = pg->list, *past = pg->listgranhistory;
   const int size = pg->dnum();
   const bool advance = pg->shearupdate() != 0;
   const double step = advance ? update->dt : 0.0;
   Losses lost;
-  BondBatch batch(bond, limit2(), advance, bodies, loads);
-  const auto alone = [&](const BatchBond &b) { bond_alone(b, size, advance, lost); };
-
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii], tag_i = tag[i];
+  if constexpr (Bonds) {
+    if (stale_ || neighbor->ago == 0) list_bonds(pg);
+    lost.bond += batch_.evaluate(bond, limit2(), advance, bodies, loads);
+    for (const ListedBond &odd : batch_.odd()) bond_alone(odd, size, advance, lost);
+  }
+  const int *rows = Bonds ? rims_.data() : list->ilist;
+  const int row_count = Bonds ? static_cast<int>(rims_.size()) : list->inum;
+  for (int ii = 0; ii < row_count; ++ii) {
+    const int i = rows[ii];
     const Body body = bodies[i];
     const int *neighbour = list->firstneigh[i];
     int *flags = past->firstneigh[i];
@@ -136,12 +167,7 @@ void PairFloe::loop(PairGran *pg) {
     for (int jj = 0; jj < count; ++jj) {
       const int j = neighbour[jj] & NEIGHMASK;
       double *h = history + static_cast<std::ptrdiff_t>(size) * jj;
-      if (Bonds && flags[jj] && h[slot::span] != 0.0) {
-        const bool i_low = tag_i < tag[j];
-        batch.add({h, flags + jj, i_low ? i : j, i_low ? j : i, j < nlocal ? 1.0 : 0.5});
-        if (batch.full()) batch.finish(alone);
-        continue;
-      }
+      if (Bonds && is_bond(flags[jj], h)) continue;
       const Body &other = bodies[j];
       const double dx = other.x - body.x, dy = other.y - body.y, sum = body.radius + other.radius;
       const double square = dx * dx + dy * dy;
@@ -189,8 +215,6 @@ void PairFloe::loop(PairGran *pg) {
     loads[i].fy += mine.fy;
     loads[i].torque += mine.torque;
   }
-  batch.finish(alone);
-  lost.bond += batch.watt;
   lost.add_to(fix_->ledger, step);
 }
 

@@ -12,6 +12,7 @@
 
 #include "body.h"
 #include "bond.h"
+#include "bond_batch.h"
 #include "contact.h"
 #include "granular_pair_style.h"
 #include "pointers.h"
@@ -22,7 +23,6 @@ class FixFloeIntegrate;
 
 namespace floe {
 
-struct BatchBond;
 struct Losses;
 
 // Energy (J) and counts of the present pairs of one rank.
@@ -55,6 +55,7 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   // Fills the slots of a bond that follow from its others and from its elements i and j.
   void finish_bond(double *history, int i, int j) const;
   void finish_contact(double *history, int i, int j) const;  // and of a contact
+  void bonds_changed() { stale_ = true; }  // by others than this class, in the neighbour lists
 
   bool bonds = false, friction = true, kovacs_sodhi = false;
   double compressive = 0.0;  // Pa, where it is constant
@@ -65,13 +66,17 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
  private:
   template <bool Bonds, bool Friction>
   void loop(LAMMPS_NS::PairGran *);
-  void bond_alone(const BatchBond &, int size, bool advance, Losses &);
+  void bond_alone(const ListedBond &, int size, bool advance, Losses &);
   double limit2() const { return 0.998 * reach * reach; }
+  void list_bonds(LAMMPS_NS::PairGran *);
   void gather();
   void scatter();
   double reduced_mass(int i, int j) const;
   std::vector<Body> bodies_;  // of elements and ghosts
   std::vector<Load> loads_;
+  BondBatch batch_;
+  std::vector<int> rims_;  // elements with neighbours that they are not bonded to
+  bool stale_ = true;      // the lists of bonds
   LAMMPS_NS::FixFloeIntegrate *fix_ = nullptr;
   std::int64_t hash_;
 };

@@ -7,6 +7,7 @@
 #define FLOE_LAWS_PACK_H
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 // Laws are inlined into loops that are compiled for more than one set of instructions.
@@ -16,8 +17,8 @@ namespace floe {
 
 using Pack2 = double __attribute__((vector_size(16)));
 using Pack4 = double __attribute__((vector_size(32)));
-using Mask2 = long long __attribute__((vector_size(16)));
-using Mask4 = long long __attribute__((vector_size(32)));
+using Mask2 = decltype(Pack2{} < Pack2{});
+using Mask4 = decltype(Pack4{} < Pack4{});
 
 // As std::min and std::max: the first argument where the two do not compare.
 template <typename T>
@@ -31,10 +32,10 @@ FLOE_INLINE T larger(T a, T b) {
 
 FLOE_INLINE double magnitude(double a) { return std::fabs(a); }
 FLOE_INLINE Pack2 magnitude(Pack2 a) {
-  return reinterpret_cast<Pack2>(reinterpret_cast<Mask2>(a) & 0x7fffffffffffffffLL);
+  return reinterpret_cast<Pack2>(reinterpret_cast<Mask2>(a) & INT64_MAX);
 }
 FLOE_INLINE Pack4 magnitude(Pack4 a) {
-  return reinterpret_cast<Pack4>(reinterpret_cast<Mask4>(a) & 0x7fffffffffffffffLL);
+  return reinterpret_cast<Pack4>(reinterpret_cast<Mask4>(a) & INT64_MAX);
 }
 
 FLOE_INLINE double root(double a) { return std::sqrt(a); }
@@ -42,6 +43,9 @@ FLOE_INLINE Pack2 root(Pack2 a) { return Pack2{std::sqrt(a[0]), std::sqrt(a[1])}
 FLOE_INLINE Pack4 root(Pack4 a) {
   return Pack4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }
+
+FLOE_INLINE bool all(Mask2 m) { return (m[0] & m[1]) != 0; }
+FLOE_INLINE bool all(Mask4 m) { return ((m[0] & m[1]) & (m[2] & m[3])) != 0; }
 
 template <typename P>
 FLOE_INLINE P load_pack(const double *from) {
