@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "history.h"
+#include "lane_sums.h"
 
 namespace floe {
 
@@ -37,26 +38,13 @@ FLOE_INLINE BatchState<P> gather(const ListedBond *bonds, const Body *bodies) {
   columns(row, 12, d);
   out.shape = {{a[3], b[0]}, {b[1], b[2]}, {b[3], c[0]}, {c[1], c[2]}, a[0], c[3], a[1], a[2]};
   out.constants = {d[0], d[1], d[2], d[3]};
-  columns(lo, 0, a);
-  columns(hi, 0, b);
+  differences(hi, lo, a);
   columns(lo, 4, c);
   columns(hi, 4, d);
-  out.pose = {{b[0] - a[0], b[1] - a[1]}, {c[1], c[2]}, {d[1], d[2]},
-              {b[2] - a[2], b[3] - a[3]}, c[0],         d[0]};
+  out.pose = {{a[0], a[1]}, {c[1], c[2]}, {d[1], d[2]}, {a[2], a[3]}, c[0], d[0]};
   out.radii = c[3] + d[3];
   return out;
 }
-
-// Sums lane by lane of four, whatever the width: the same bits on every processor.
-template <typename P>
-struct LaneSums {
-  P part[4 * sizeof(double) / sizeof(P)] = {};
-  double total() const {
-    double lane[4];
-    std::memcpy(lane, part, sizeof lane);
-    return (lane[0] + lane[1]) + (lane[2] + lane[3]);
-  }
-};
 
 struct Task {
   const BondMaterial material;
@@ -109,21 +97,22 @@ template <typename P, int Width>
 FLOE_INLINE double evaluate_all(const Task &t, const std::vector<ListedBond> &bonds,
                                 std::vector<ListedBond> &odd) {
   constexpr int parts = 4 / Width;
-  LaneSums<P> sums;
+  P part[parts] = {};
   const int count = static_cast<int>(bonds.size()), whole = count / 4 * 4;
   for (int first = 0; first < whole; first += 4) {
     for (int k = 0; k < parts; ++k) {
-      evaluate_pack<P, Width, true>(t, bonds.data() + first + k * Width, Width, sums.part[k], odd);
+      evaluate_pack<P, Width, true>(t, bonds.data() + first + k * Width, Width, part[k], odd);
     }
   }
   if (whole < count) {
     ListedBond last[4];
     for (int k = 0; k < 4; ++k) last[k] = bonds[whole + k < count ? whole + k : whole];
     for (int k = 0; k < parts; ++k) {
-      evaluate_pack<P, Width, false>(t, last + k * Width, count - whole - k * Width, sums.part[k],
-                                     odd);
+      evaluate_pack<P, Width, false>(t, last + k * Width, count - whole - k * Width, part[k], odd);
     }
   }
+  LaneSums sums;
+  for (int k = 0; k < parts; ++k) sums.add(k * Width, part[k]);
   return sums.total();
 }
 
@@ -132,23 +121,18 @@ FLOE_INLINE double evaluate_all(const Task &t, const std::vector<ListedBond> &bo
                                              std::vector<ListedBond> &odd) {
   return evaluate_all<Pack4, 4>(t, bonds, odd);
 }
-bool wide() { return __builtin_cpu_supports("avx2"); }
-#else
-double evaluate_wide(const Task &t, const std::vector<ListedBond> &bonds,
-                     std::vector<ListedBond> &odd) {
-  return evaluate_all<Pack2, 2>(t, bonds, odd);
-}
-bool wide() { return false; }
 #endif
 
 }  // namespace
 
 double BondBatch::evaluate(const BondMaterial &material, double limit2, bool check,
                            const Body *bodies, Load *loads) {
-  static const bool use_wide = wide();
   const Task task{material, limit2, check, bodies, loads};
   odd_.clear();
-  return use_wide ? evaluate_wide(task, bonds_, odd_) : evaluate_all<Pack2, 2>(task, bonds_, odd_);
+#if defined(__x86_64__)
+  if (wide_packs()) return evaluate_wide(task, bonds_, odd_);
+#endif
+  return evaluate_all<Pack2, 2>(task, bonds_, odd_);
 }
 
 }  // namespace floe

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "atom.h"
+#include "contact_batch.h"
 #include "fix_floe_integrate.h"
 #include "history.h"
 #include "neigh_list.h"
@@ -218,13 +219,56 @@ void PairFloe::loop(PairGran *pg) {
   lost.add_to(fix_->ledger, step);
 }
 
+// The same where nothing is bonded: contacts are gathered and evaluated several at once.
+template <bool Friction>
+void PairFloe::loop_contacts(PairGran *pg) {
+  constexpr int room = 256;
+  Touching touching[room + 3];
+  int found = 0;
+  const Body *bodies = bodies_.data();
+  const NeighList *list = pg->list, *past = pg->listgranhistory;
+  const int size = pg->dnum();
+  const bool advance = pg->shearupdate() != 0;
+  const double step = advance ? update->dt : 0.0;
+  const ContactTask task{contact, step, advance, atom->nlocal, bodies, loads_.data()};
+  ContactSums sums;
+
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii], count = list->numneigh[i];
+    const double x = bodies[i].x, y = bodies[i].y, radius = bodies[i].radius;
+    const int *neighbour = list->firstneigh[i];
+    int *flags = past->firstneigh[i];
+    double *h = past->firstdouble[i];
+    for (int jj = 0; jj < count; ++jj, h += size) {
+      const int j = neighbour[jj] & NEIGHMASK;
+      const Body &other = bodies[j];
+      const double dx = other.x - x, dy = other.y - y, sum = radius + other.radius;
+      if (dx * dx + dy * dy >= sum * sum) {
+        forget(flags[jj], h);
+        continue;
+      }
+      flags[jj] = 1;  // what has no contact has no history
+      if (h[slot::contact_stiffness] == 0.0) finish_contact(h, i, j);
+      touching[found++] = {h, i, j};
+      if (found < room) continue;
+      evaluate_contacts<Friction>(task, touching, found, sums);
+      found = 0;
+    }
+  }
+  if (found) evaluate_contacts<Friction>(task, touching, found, sums);
+  Losses lost;
+  lost.contact = sums.damping.total();
+  lost.friction = sums.friction.total();
+  lost.add_to(fix_->ledger, step);
+}
+
 void PairFloe::compute_force(PairGran *pg, int, int, int) {
   pg->evflag = pg->vflag_fdotr = 0;  // energies and stresses are reported by sums() and the ledger
   gather();
   if (bonds) {
     friction ? loop<true, true>(pg) : loop<true, false>(pg);
   } else {
-    friction ? loop<false, true>(pg) : loop<false, false>(pg);
+    friction ? loop_contacts<true>(pg) : loop_contacts<false>(pg);
   }
   if (pg->computeflag()) scatter();
 }

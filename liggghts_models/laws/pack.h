@@ -44,6 +44,9 @@ FLOE_INLINE Pack4 root(Pack4 a) {
   return Pack4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }
 
+FLOE_INLINE bool any(bool m) { return m; }
+FLOE_INLINE bool any(Mask2 m) { return (m[0] | m[1]) != 0; }
+FLOE_INLINE bool any(Mask4 m) { return ((m[0] | m[1]) | (m[2] | m[3])) != 0; }
 FLOE_INLINE bool all(Mask2 m) { return (m[0] & m[1]) != 0; }
 FLOE_INLINE bool all(Mask4 m) { return ((m[0] & m[1]) & (m[2] & m[3])) != 0; }
 
@@ -81,6 +84,21 @@ FLOE_INLINE void columns(const double *const (&row)[4], int first, Pack4 (&out)[
   for (int k = 0; k < 4; ++k) out[k] = load_pack<Pack4>(row[k] + first);
   transpose(out);
 }
+// The same of the differences of two rows.
+FLOE_INLINE void differences(const double *const (&a)[2], const double *const (&b)[2],
+                             Pack2 (&out)[4]) {
+  for (int k = 0; k < 4; k += 2) {
+    const Pack2 first = load_pack<Pack2>(a[0] + k) - load_pack<Pack2>(b[0] + k);
+    const Pack2 second = load_pack<Pack2>(a[1] + k) - load_pack<Pack2>(b[1] + k);
+    out[k] = __builtin_shuffle(first, second, Mask2{0, 2});
+    out[k + 1] = __builtin_shuffle(first, second, Mask2{1, 3});
+  }
+}
+FLOE_INLINE void differences(const double *const (&a)[4], const double *const (&b)[4],
+                             Pack4 (&out)[4]) {
+  for (int k = 0; k < 4; ++k) out[k] = load_pack<Pack4>(a[k]) - load_pack<Pack4>(b[k]);
+  transpose(out);
+}
 FLOE_INLINE void add_rows(double *const (&row)[2], const Pack2 (&in)[4]) {
   for (int k = 0; k < 4; k += 2) {
     add_pack(row[0] + k, __builtin_shuffle(in[k], in[k + 1], Mask2{0, 2}));
@@ -91,6 +109,16 @@ FLOE_INLINE void add_rows(double *const (&row)[4], const Pack4 (&in)[4]) {
   Pack4 m[4] = {in[0], in[1], in[2], in[3]};
   transpose(m);
   for (int k = 0; k < 4; ++k) add_pack(row[k], m[k]);
+}
+
+// Whether this processor works on packs of four.
+inline bool wide_packs() {
+#if defined(__x86_64__)
+  static const bool wide = __builtin_cpu_supports("avx2");
+  return wide;
+#else
+  return false;
+#endif
 }
 
 }  // namespace floe
