@@ -11,7 +11,7 @@ SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
 export PYTHON LIGGGHTS_ROOT NO_APT
 
-.PHONY: help setup run test lint doctor test-fresh lock clean
+.PHONY: help setup run test lint bench-dem doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -29,6 +29,9 @@ test: setup lint ## set up, then run lint and every test but the slow ones
 
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh
+
+bench-dem: setup ## time the element model beside stock LIGGGHTS, on 1 and 2 ranks
+	.venv/bin/python benchmarks/dem.py
 
 doctor: ## say what is there and what is missing, and try a probe of the plugin
 	@setup/doctor.sh
