@@ -40,7 +40,7 @@ FLOE_INLINE void evaluate_pack(const ContactTask &t, const Touching *pairs, int 
   const auto idle = overlap <= none;
   Load nowhere{};
   if (any(idle) || count < Width) {
-    slip = idle ? none : slip;
+    if (Friction) slip = idle ? none : slip;
     for (int k = 0; k < Width; ++k) {
       if (k < count && !idle[k]) continue;
       load_one[k] = load_two[k] = &nowhere.fx;
@@ -49,7 +49,7 @@ FLOE_INLINE void evaluate_pack(const ContactTask &t, const Touching *pairs, int 
   }
   if (t.advance) {
     for (int k = 0; k < Width; ++k) {
-      pairs[k].history[slot::slip] = slip[k];
+      if (Friction) pairs[k].history[slot::slip] = slip[k];
       pairs[k].history[slot::rest_overlap] = rest[k];
     }
   }

@@ -232,13 +232,16 @@ void PairFloe::loop_contacts(PairGran *pg) {
   const double step = advance ? update->dt : 0.0;
   const ContactTask task{contact, step, advance, atom->nlocal, bodies, loads_.data()};
   ContactSums sums;
+  const int *rows = list->ilist, *lengths = list->numneigh, row_count = list->inum;
+  int *const *firstneigh = list->firstneigh, *const *first_flag = past->firstneigh;
+  double *const *first_history = past->firstdouble;
 
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii], count = list->numneigh[i];
+  for (int ii = 0; ii < row_count; ++ii) {
+    const int i = rows[ii], count = lengths[i];
     const double x = bodies[i].x, y = bodies[i].y, radius = bodies[i].radius;
-    const int *neighbour = list->firstneigh[i];
-    int *flags = past->firstneigh[i];
-    double *h = past->firstdouble[i];
+    const int *neighbour = firstneigh[i];
+    int *flags = first_flag[i];
+    double *h = first_history[i];
     for (int jj = 0; jj < count; ++jj, h += size) {
       const int j = neighbour[jj] & NEIGHMASK;
       const Body &other = bodies[j];

@@ -67,7 +67,7 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   template <bool Bonds, bool Friction>
   void loop(LAMMPS_NS::PairGran *);
   template <bool Friction>
-  void loop_contacts(LAMMPS_NS::PairGran *);
+  [[gnu::noinline]] void loop_contacts(LAMMPS_NS::PairGran *);
   void bond_alone(const ListedBond &, int size, bool advance, Losses &);
   double limit2() const { return 0.998 * reach * reach; }
   void list_bonds(LAMMPS_NS::PairGran *);
