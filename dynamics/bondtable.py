@@ -29,6 +29,8 @@ BOND_COLUMNS = (
     "hi_by",
 )
 CONTACT_COLUMNS = ("slip", "rest_overlap")
+# What a contact carries besides, with ridging.
+RIDGE_COLUMNS = ("ridge_closing", "ridge_thickness", "ridge_length")
 
 
 def new_bonds(

@@ -20,10 +20,12 @@ namespace floe {
 namespace {
 
 // Nothing remains of a contact that opened.
+template <bool Ridging>
 void forget(int &flag, double *h) {
   if (!flag) return;
   flag = 0;
-  for (int k = 0; k < slot::contact_size; ++k) h[k] = 0.0;
+  constexpr int size = Ridging ? int{slot::ridge_size} : int{slot::contact_size};
+  for (int k = 0; k < size; ++k) h[k] = 0.0;
 }
 
 // The bond gives way: overlap present at that moment makes no force from now on.
@@ -35,8 +37,8 @@ void break_bond(int &flag, double *h, int size, double overlap) {
 
 // Sums over the pairs of one rank in one step.
 struct Losses {
-  double bond = 0.0, contact = 0.0;       // W
-  double friction = 0.0, fracture = 0.0;  // J
+  double bond = 0.0, contact = 0.0;                      // W
+  double friction = 0.0, fracture = 0.0, ridging = 0.0;  // J
   double cracked = 0.0, broken = 0.0;
 
   void add_to(Ledger &total, double step) const {
@@ -44,6 +46,7 @@ struct Losses {
     total.dissipation_contact += contact * step;
     total.dissipation_friction += friction;
     total.dissipation_fracture += fracture;
+    total.dissipation_ridging += ridging;
     total.bonds_cracked += cracked;
     total.bonds_broken += broken;
   }
@@ -71,7 +74,11 @@ void PairFloe::scatter() {
   }
 }
 
-template <bool Bonds, bool Friction>
+void PairFloe::scatter_ridged() {
+  for (int i = 0; i < atom->nlocal; ++i) fix_->ridged_area[i] += loads_[i].ridged;
+}
+
+template <bool Bonds, bool Friction, bool Ridging>
 void PairFloe::loop(PairGran *pg) {
   const Body *bodies = bodies_.data();
   Load *loads = loads_.data();
@@ -100,8 +107,9 @@ void PairFloe::loop(PairGran *pg) {
       const double square = dx * dx + dy * dy;
       double *h = history + static_cast<std::ptrdiff_t>(size) * jj;
       const bool bonded = Bonds && flags[jj] && h[slot::span] != 0.0;
-      if (!bonded && square >= sum * sum) {
-        forget(flags[jj], h);
+      // With ridging a contact can reach across a gap, and a ridge stays where it was built.
+      if (!bonded && square >= sum * sum && !(Ridging && flags[jj])) {
+        forget<Ridging>(flags[jj], h);
         continue;
       }
       const double share = j < nlocal ? 1.0 : 0.5;  // a pair across ranks is met on both
@@ -122,14 +130,21 @@ void PairFloe::loop(PairGran *pg) {
           const BondShape before = shape;
           if (bond_fracture(bond, constants, line, shape)) {
             const bool counted = j < nlocal || i_low;
-            lost.fracture += share * (bond_energy(bond, constants, before, line) -
-                                      bond_energy(bond, constants, shape, line));
+            const double energy = bond_energy(bond, constants, before, line);
+            lost.fracture += share * (energy - bond_energy(bond, constants, shape, line));
             if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;
             if (counted && shape.broken()) lost.broken += 1.0;
             h[slot::crack_a] = shape.crack_a;
             h[slot::crack_b] = shape.crack_b;
             if (shape.broken()) {
-              break_bond(flags[jj], h, size, sum - std::sqrt(square));
+              const double overlap = sum - std::sqrt(square);
+              if constexpr (Ridging) {
+                const double push = -bond_normal_force(bond, constants, before, line);
+                lost.fracture -= share * take_over(flags[jj], h, i, j, overlap, push, energy);
+                if (flags[jj]) --jj;  // again, now as a contact
+              } else {
+                break_bond(flags[jj], h, size, overlap);
+              }
               continue;
             }
           }
@@ -153,17 +168,41 @@ void PairFloe::loop(PairGran *pg) {
                                {other.u - body.u, other.v - body.v},
                                body.spin,
                                other.spin};
-        double rest = h[slot::rest_overlap], slip = h[slot::slip];
-        const double overlap = effective_overlap(pose, rest);
-        if (advance) h[slot::rest_overlap] = rest;
+        const ContactConstants constants{h[slot::contact_stiffness], h[slot::contact_damping]};
+        double rest = h[slot::rest_overlap], slip = h[slot::slip], overlap, limit = 0.0;
+        if constexpr (Ridging) {
+          overlap = (sum - pose.distance) - rest;
+          if (overlap <= 0.0 && square >= sum * sum && h[slot::ridge_closing] == 0.0) {
+            if (advance) forget<true>(flags[jj], h);
+            continue;
+          }
+        } else {
+          overlap = effective_overlap(pose, rest);
+          if (advance) h[slot::rest_overlap] = rest;
+        }
         if (overlap <= 0.0) {
           if (advance) h[slot::slip] = 0.0;
           continue;
         }
+        if constexpr (Ridging) {
+          Ridge now = ridge_at(h);
+          limit = ridging_limit(now);
+          if (advance && constants.stiffness * overlap > limit) {
+            const double closed = close_ridge(constants.stiffness, pose.distance, overlap, now);
+            h[slot::rest_overlap] = rest + closed;
+            h[slot::ridge_closing] = now.closing;
+            h[slot::ridge_thickness] = now.thickness;
+            overlap = (sum - pose.distance) - h[slot::rest_overlap];
+            lost.ridging += share * constants.stiffness * overlap * closed;
+            const double area = now.length * closed, mine_of_it = share_of(i, j);
+            mine.ridged += mine_of_it * area;
+            loads[j].ridged += (1.0 - mine_of_it) * area;
+            limit = ridging_limit(now);
+          }
+        }
         ContactLoss loss;
-        const ContactForce touch =
-            contact_force<Friction>(contact, {h[slot::contact_stiffness], h[slot::contact_damping]},
-                                    pose, overlap, step, slip, loss);
+        const ContactForce touch = contact_force<Friction, Ridging>(
+            contact, constants, pose, overlap, step, slip, loss, limit);
         if (advance) h[slot::slip] = slip;
         lost.contact += share * loss.damping;
         lost.friction += share * loss.friction;
@@ -183,19 +222,26 @@ void PairFloe::loop(PairGran *pg) {
     loads[i].fx += mine.fx;
     loads[i].fy += mine.fy;
     loads[i].torque += mine.torque;
+    if constexpr (Ridging) loads[i].ridged += mine.ridged;
   }
   lost.add_to(fix_->ledger, step);
+}
+
+template <bool Bonds, bool Friction>
+void PairFloe::choose_loop(PairGran *pg) {
+  ridging ? loop<Bonds, Friction, true>(pg) : loop<Bonds, Friction, false>(pg);
 }
 
 void PairFloe::compute_force(PairGran *pg, int, int, int) {
   pg->evflag = pg->vflag_fdotr = 0;  // energies and stresses are reported by sums() and the ledger
   gather();
   if (bonds) {
-    friction ? loop<true, true>(pg) : loop<true, false>(pg);
+    friction ? choose_loop<true, true>(pg) : choose_loop<true, false>(pg);
   } else {
-    friction ? loop<false, true>(pg) : loop<false, false>(pg);
+    friction ? choose_loop<false, true>(pg) : choose_loop<false, false>(pg);
   }
   if (pg->computeflag()) scatter();
+  if (ridging) scatter_ridged();
 }
 
 }  // namespace floe

@@ -70,17 +70,20 @@ inline double effective_overlap(const ContactPose &p, double &rest_overlap) {
 }
 
 // slip is the history: the elastic tangential displacement, m; step the time over which it advances
-// (0: only evaluate).
-template <bool Friction>
+// (0: only evaluate). With Ridging the normal force, damping included, stays below the limit (N),
+// or at the elastic force where that alone is above it.
+template <bool Friction, bool Ridging = false>
 inline ContactForce contact_force(const ContactMaterial &m, const ContactConstants &c,
                                   const ContactPose &p, double overlap, double step, double &slip,
-                                  ContactLoss &loss) {
+                                  ContactLoss &loss, double ridging = 0.0) {
   const double inv = 1.0 / p.distance;
   const Vec2 n{p.d.x * inv, p.d.y * inv};
   const double vn = p.v.x * n.x + p.v.y * n.y;
   const double elastic = c.stiffness * overlap;
+  double push = elastic - c.damping * vn;
   // What is not finite must come through: the order of the arguments keeps a NaN.
-  const double fn = std::max(elastic - c.damping * vn, 0.0);
+  if constexpr (Ridging) push = std::min(push, std::max(elastic, ridging));
+  const double fn = std::max(push, 0.0);
   loss.damping = (elastic - fn) * vn;
   loss.friction = 0.0;
   if constexpr (!Friction) return {{-fn * n.x, -fn * n.y}, 0.0, 0.0};
