@@ -188,7 +188,7 @@ void PairFloe::loop(PairGran *pg) {
           Ridge now = ridge_at(h);
           limit = ridging_limit(now);
           if (advance && constants.stiffness * overlap > limit) {
-            const double closed = close_ridge(constants.stiffness, pose.distance, overlap, now);
+            const double closed = close_ridge(constants.stiffness, sum - rest, overlap, now);
             h[slot::rest_overlap] = rest + closed;
             h[slot::ridge_closing] = now.closing;
             h[slot::ridge_thickness] = now.thickness;

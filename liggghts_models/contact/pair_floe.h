@@ -88,8 +88,8 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
     return ridge_force(ridge, compressive_strength(r.thickness), r);
   }
   double ridging_limit(const Ridge &r) const { return r.length * ridging_force(r).force; }
-  double close_ridge(double stiffness, double distance, double overlap, Ridge &r) const {
-    return ridge_closing(ridging_force(r), stiffness, distance, overlap, r);
+  double close_ridge(double stiffness, double span, double overlap, Ridge &r) const {
+    return ridge_closing(ridging_force(r), stiffness, span, overlap, r);
   }
   double reduced_mass(int i, int j) const;
   std::vector<Body> bodies_;  // of elements and ghosts

@@ -50,14 +50,14 @@ inline RidgeForce ridge_force(const RidgeMaterial &m, double strength, const Rid
 
 // Lets the contact close plastically where its elastic force (N) is above the ridging force. overlap
 // (m) is the elastic one and shrinks by what is returned: the plastic closing, m. The ice between
-// the centres, at this distance (m), keeps its volume.
-inline double ridge_closing(const RidgeForce &limit, double stiffness, double distance,
-                            double overlap, Ridge &r) {
+// the centres, this far apart without stress (m), keeps its volume.
+inline double ridge_closing(const RidgeForce &limit, double stiffness, double span, double overlap,
+                            Ridge &r) {
   const double excess = stiffness * overlap - r.length * limit.force;
   if (!(excess > 0.0)) return 0.0;
   const double closing = excess / (stiffness + r.length * limit.slope);
   r.closing += closing;
-  r.thickness *= (distance + closing) / distance;
+  r.thickness *= span / (span - closing);
   return closing;
 }
 
