@@ -99,6 +99,8 @@ def _expected(effects: tuple[str, ...]) -> list[str]:
             names += [f"{series}_x", f"{series}_y"]
         elif series == "intact_bonds":
             names.append(series)
+        elif series == "ridged_area":
+            names += [series, "dissipation_ridging"]
         elif series == "ice_growth":
             names.append("energy_stored")
     return names
