@@ -14,7 +14,7 @@ from floeflow.dynamics import progress, window
 from floeflow.dynamics.job import Job
 from floeflow.errors import FloeError
 
-EVENT = {"window": "0002", "step": 25, "steps": 100, "elements": 40, "seconds": 2.0}
+EVENT = {"window": "0002", "step": 25, "steps": 100, "elements": 40, "dynamics_seconds": 2.0}
 
 
 @pytest.fixture
