@@ -184,8 +184,10 @@ def shift(c, s):
         s.touched[n] = 0.0
         s.first_area[n], s.first_snow[n] = c.area[n], c.snow[n]
         s.warmth[n] = c.area[n] * c.surface[n]
-        s.ice_energy[n, :] = c.ice_enthalpy[n, :] * c.ice[n]
-        s.snow_energy[n, :] = c.snow_enthalpy[n, :] * c.snow[n]
+        for k in range(c.ice_enthalpy.shape[1]):
+            s.ice_energy[n, k] = c.ice_enthalpy[n, k] * c.ice[n]
+        for k in range(c.snow_enthalpy.shape[1]):
+            s.snow_energy[n, k] = c.snow_enthalpy[n, k] * c.snow[n]
     for n in range(1, last):
         if s.area[n] != 0.0:
             up = s.area[n] > 0.0
@@ -195,9 +197,11 @@ def shift(c, s):
         if s.touched[n] == 0.0 or c.area[n] <= 0.0 or c.ice[n] <= 0.0:
             continue
         c.surface[n] = s.warmth[n] / c.area[n]
-        c.ice_enthalpy[n, :] = s.ice_energy[n, :] / c.ice[n]
-        if c.snow[n] > 0.0:
-            c.snow_enthalpy[n, :] = s.snow_energy[n, :] / c.snow[n]
+        for k in range(c.ice_enthalpy.shape[1]):
+            c.ice_enthalpy[n, k] = s.ice_energy[n, k] / c.ice[n]
+        for k in range(c.snow_enthalpy.shape[1]):
+            if c.snow[n] > 0.0:
+                c.snow_enthalpy[n, k] = s.snow_energy[n, k] / c.snow[n]
 
 
 @jit

@@ -72,8 +72,10 @@ def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
     else:
         c.ice[n], c.snow[n] = area * change.ice, area * change.snow
         c.surface[n] = found.temperature
-        c.ice_enthalpy[n, :] = w.enthalpy[first:]
-        c.snow_enthalpy[n, :] = w.enthalpy[:first]
+        for k in range(first):
+            c.snow_enthalpy[n, k] = w.enthalpy[k]
+        for k in range(first, w.enthalpy.size):
+            c.ice_enthalpy[n, k - first] = w.enthalpy[k]
     # What the sea gets: what found nothing to melt, less what it gave.
     return area * (change.spare - ocean * dt), area * through * dt
 
@@ -147,6 +149,20 @@ def step_column(c, sea, pending, w, s, f, bounds, sums, dt, p):
     return sea, max(potential, 0.0) * dt
 
 
+@jit
+def step_some(
+    begin, end, area, ice, snow, surface, ice_enthalpy, snow_enthalpy, sea,
+    pending, w, s, forcing, bounds, sums, dt, p,
+):  # fmt: skip
+    """Take elements begin to end - 1 through all steps, one element after the other."""
+    for e in range(begin, end):
+        c = Column(area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e])
+        for step in range(forcing.shape[0]):
+            sea[e], pending[e] = step_column(
+                c, sea[e], pending[e], w, s, forcing[step, e], bounds, sums[e], dt, p
+            )
+
+
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, parallel=True, error_model="numpy")
     def advance(
@@ -158,12 +174,11 @@ def _build(digest: str) -> Callable[..., Any]:
         for part in numba.prange((count + chunk - 1) // chunk):
             w = new_profile(salinity, snow_enthalpy.shape[2], p)
             s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
-            for e in range(part * chunk, min((part + 1) * chunk, count)):
-                c = Column(area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e])
-                for step in range(forcing.shape[0]):
-                    sea[e], pending[e] = step_column(
-                        c, sea[e], pending[e], w, s, forcing[step, e], bounds, sums[e], dt, p
-                    )
+            last = min((part + 1) * chunk, count)
+            step_some(
+                part * chunk, last, area, ice, snow, surface, ice_enthalpy, snow_enthalpy, sea,
+                pending, w, s, forcing, bounds, sums, dt, p,
+            )  # fmt: skip
 
     return advance
 

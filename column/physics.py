@@ -13,11 +13,18 @@ from typing import Any, NamedTuple
 
 import numba
 
-jit: Any = numba.njit(error_model="numpy", nogil=True)
+_UNCOUNTED: dict[str, Any] = {"_nrt": False}
+jit: Any = numba.njit(error_model="numpy", nogil=True, **_UNCOUNTED)
 """Compile a small function that compiled functions call; what Python calls is in kernel.py.
+
+Without counting references to arrays (`_nrt`), which takes half the time otherwise: such functions
+can view arrays but not make any, for which there is `jit_making`.
 
 Their arguments carry no types: Numba finds them, and mypy is told not to ask in those files.
 """
+
+jit_making: Any = numba.njit(error_model="numpy", nogil=True)
+"""Compile a function that makes arrays."""
 
 TINY = 1e-11  # smallest area fraction and thickness (m) that count as ice
 KELVIN = 273.15

@@ -19,7 +19,7 @@ from floeflow.column.enthalpy import (
     snow_enthalpy,
     snow_temperature,
 )
-from floeflow.column.physics import jit
+from floeflow.column.physics import jit, jit_making
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ class Profile(NamedTuple):
     edges: Array
 
 
-@jit
+@jit_making
 def new_profile(salinity, snow_layers, p):
     """Scratch for ice of a salinity profile (1e-3, top first) under some snow layers."""
     z = salinity.size + snow_layers

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floeflow.column.physics import jit
+from floeflow.column.physics import jit, jit_making
 
 Array = NDArray[np.float64]
 
@@ -146,7 +146,7 @@ class Scratch(NamedTuple):
     snow_energy: Array
 
 
-@jit
+@jit_making
 def new_scratch(categories, ice_layers, snow_layers):
     """Return work arrays for a number of categories and layers."""
     return Scratch(
