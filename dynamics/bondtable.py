@@ -13,6 +13,10 @@ from floeflow.errors import FloeError
 
 Arrays = dict[str, np.ndarray]
 
+# Side of a hexagon over the diameter of the circle inside it: how long discs touch that tile a
+# plane (liggghts_models/contact/pair_floe_sums.cpp).
+EDGE_SHARE = 0.577350269189626
+
 # Columns that the plugin takes and gives, in its order (liggghts_models/capi/capi.h).
 BOND_COLUMNS = (
     "span",

@@ -24,8 +24,8 @@ from floeflow.bench import Record, write_records
 from floeflow.config import Scene
 from floeflow.dynamics import resume
 from floeflow.dynamics.collective import leave, on_root
-from floeflow.dynamics.coupling import advance_columns
-from floeflow.dynamics.elements import thin_bonds
+from floeflow.dynamics.coupling import advance_columns, freeze_window
+from floeflow.dynamics.elements import pair_arrays, thin_bonds
 from floeflow.dynamics.job import Job
 from floeflow.dynamics.motion import Motion, move
 from floeflow.dynamics.series import series_dataset, volumes
@@ -76,6 +76,7 @@ def advance_window(
     start = float(state.attrs["time"])
     end = start + scene.time.window
     budget = volumes(state, "start")
+    touched = pair_arrays(state, "contact")
     motion = move(comm, scene, state, forcing, log, report)
     state = motion.state
     budget |= volumes(state, "dynamics")
@@ -84,6 +85,9 @@ def advance_window(
         state, terms = advance_columns(comm, scene, state, forcing, (start, end))
         budget |= terms
         state = thin_bonds(state)
+    if "refreeze" in scene.effects:
+        state, formed = freeze_window(scene, state, touched, forcing, (start, end))
+        budget["bonds_refrozen"] = formed
     seconds = time.perf_counter() - began
     budget |= volumes(state, "end")
     state.attrs = {

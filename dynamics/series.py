@@ -26,6 +26,7 @@ PREFIX_UNITS = {
     "dissipation_": "J",
     "ice_area_": "m2",
     "ridged_": "m2",
+    "bonds_": "1",
     "ice_volume_": "m3",
     "snow_volume_": "m3",
     "growth_": "m3",

@@ -131,6 +131,15 @@ _REGISTERED = (
         diagnostics=("ridged_area",),
     ),
     Effect(
+        name="refreeze",
+        physics="Elements in touch in cold air freeze together; bonds grow thicker from thin.",
+        source="Stefan's law; Hopkins & Thorndike 2006",
+        needs=("bonds", "thermodynamics"),
+        forcing=("air_temperature",),
+        state=("contact_touch_time",),
+        diagnostics=("bonds_refrozen",),
+    ),
+    Effect(
         name="thermodynamics",
         physics="Growth and melt of ice and snow in each element's column between windows.",
         source="Semtner 1976 (zero-layer)",

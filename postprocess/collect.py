@@ -97,7 +97,7 @@ def _expected(effects: tuple[str, ...]) -> list[str]:
     for series in diagnostic_series(effects):
         if series.startswith("impulse_"):
             names += [f"{series}_x", f"{series}_y"]
-        elif series == "intact_bonds":
+        elif series in ("intact_bonds", "bonds_refrozen"):
             names.append(series)
         elif series == "ridged_area":
             names += [series, "dissipation_ridging"]

@@ -177,6 +177,13 @@ class Dynamics(Block):
     ridge_thickness: float = key(
         0.3, "Ridge thickness from which on ice is crushed (compressive_strength).", "m", gt=0
     )
+    refreeze_time: float = key(
+        86400.0, "Elements in touch in freezing air for so long freeze together.", "s", gt=0
+    )
+    refreeze_temperature: float = key(
+        263.15, "Air colder than this freezes elements together.", "K", ge=200, le=271.35
+    )
+    refreeze_thickness: float = key(0.05, "Thickness of a new bond.", "m", gt=0, le=1)
     bond_damping: float = key(0.1, "Damping of bonds, as a share of critical.", "1", ge=0, le=2)
     strength: Literal["constant", "kovacs_sodhi"] = key(
         "constant", "Compressive strength: constant, or 1285 kPa (h / 1 m)^(2/3)."
