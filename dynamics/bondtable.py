@@ -13,6 +13,10 @@ from floeflow.errors import FloeError
 
 Arrays = dict[str, np.ndarray]
 
+# Side of a hexagon over the diameter of the circle inside it: how long discs touch that tile a
+# plane (liggghts_models/contact/pair_floe_sums.cpp).
+EDGE_SHARE = 0.577350269189626
+
 # Columns that the plugin takes and gives, in its order (liggghts_models/capi/capi.h).
 BOND_COLUMNS = (
     "span",
@@ -29,6 +33,8 @@ BOND_COLUMNS = (
     "hi_by",
 )
 CONTACT_COLUMNS = ("slip", "rest_overlap")
+# What a contact carries besides, with ridging.
+RIDGE_COLUMNS = ("ridge_closing", "ridge_thickness", "ridge_length")
 
 
 def new_bonds(

@@ -12,12 +12,15 @@ import numpy as np
 import xarray as xr
 from mpi4py import MPI
 
-from floeflow.column.forcing import column_sampler
+from floeflow.column.forcing import column_sampler, sample_series
 from floeflow.column.params import ColumnParams
 from floeflow.column.state import ColumnFluxes, ColumnState, column_energy
 from floeflow.column.window import advance_window
 from floeflow.config import Scene
 from floeflow.dynamics.collective import on_all
+from floeflow.dynamics.elements import Arrays
+from floeflow.dynamics.motion import engine_params
+from floeflow.dynamics.refreeze import Cold, refreeze
 from floeflow.state.schema import MOBILE
 
 Budget = dict[str, float]
@@ -91,6 +94,47 @@ def advance_columns(
     end = column_energy(column_state(result, mobile), params)
     budget["energy_stored"] = float(state["area"].values[mobile] @ (end - start))
     return result, budget
+
+
+def freeze_window(
+    scene: Scene,
+    state: xr.Dataset,
+    touched: Arrays,
+    forcing: xr.Dataset,
+    window: tuple[float, float],
+) -> tuple[xr.Dataset, int]:
+    """Let cracks and contacts of a window refreeze; see `floeflow.dynamics.refreeze`.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    state : xarray.Dataset
+        State after the dynamics and the column of the window.
+    touched : dict of ndarray
+        Contact table at the window's start.
+    forcing : xarray.Dataset
+        The window's forcing on the scene's grid.
+    window : tuple of float
+        Start and end of the window, s since the scene's start.
+
+    Returns
+    -------
+    tuple of xarray.Dataset and int
+        New state, and the number of bonds that formed.
+    """
+    ice, d = column_params(scene), scene.dynamics
+    growth = 2.0 * ice.ice_conductivity / (ice.ice_density * ice.latent_fusion)
+    cold = Cold(
+        *(d.refreeze_time, d.refreeze_temperature, d.refreeze_thickness),
+        *(ice.freezing_temperature, growth),
+    )
+
+    def air(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        sample = sample_series(forcing, ("air_temperature",), x, y)
+        return sample(0.5 * (window[0] + window[1]))["air_temperature"]
+
+    return refreeze(state, touched, air, cold, engine_params(scene), window[1] - window[0])
 
 
 # How each flux enters the budgets, and with which sign.

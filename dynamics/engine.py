@@ -17,13 +17,12 @@ from mpi4py import MPI
 
 from floeflow.dynamics.bondtable import (
     BOND_COLUMNS,
-    CONTACT_COLUMNS,
     Arrays,
     empty_pairs,
 )
 from floeflow.dynamics.enginechecks import check_bonds, check_contacts, check_elements
 from floeflow.dynamics.engineparams import EngineParams, Forcing
-from floeflow.dynamics.enginesetup import bond_reach, setup_commands
+from floeflow.dynamics.enginesetup import bond_reach, contact_reach, setup_commands
 from floeflow.dynamics.enginetables import (
     count_pairs,
     create_elements,
@@ -99,11 +98,13 @@ class Engine:
         ----------
         elements : dict of ndarray, shape (n,)
             id (ascending), type (1 mobile, 2 fixed), x, y (m), theta (rad), u, v (m/s),
-            omega (rad/s), radius (m), mass (kg), thickness (m), ice_area (m2).
+            omega (rad/s), radius (m), mass (kg), thickness (m), ice_area (m2); optional
+            ridged_area (m2, 0 where absent), which ridging adds to.
         bonds : dict of ndarray, shape (nb,), optional
             As from `bondtable.new_bonds`.
         contacts : dict of ndarray, shape (nc,), optional
-            id_lo, id_hi, slip (m), rest_overlap (m).
+            id_lo, id_hi, slip (m), rest_overlap (m), with ridging also ridge_closing,
+            ridge_thickness and ridge_length (m).
         time : float
             Time of this state on the forcing's axis, s.
 
@@ -115,11 +116,13 @@ class Engine:
             If LIGGGHTS refuses, or a pair lies outside of its neighbour lists.
         """
         bonds = bonds if bonds is not None and self.params.bonds else empty_pairs(BOND_COLUMNS)
-        contacts = contacts if contacts is not None else empty_pairs(CONTACT_COLUMNS)
+        contacts = contacts if contacts is not None else empty_pairs(self.params.contact_columns)
         check_elements(elements)
         check_bonds(elements, bonds)
-        check_contacts(elements, bonds, contacts)
-        reach = bond_reach(elements, bonds, self.params)
+        check_contacts(elements, bonds, contacts, self.params.contact_columns)
+        reach = max(
+            bond_reach(elements, bonds, self.params), contact_reach(elements, contacts, self.params)
+        )
         self.close()
         self._open()
         self._start, self._steps = time, 0
@@ -178,11 +181,15 @@ class Engine:
 
     def bonds(self) -> Arrays:
         """Bond table, sorted by (id_lo, id_hi), on every rank; broken bonds are not in it."""
-        return get_pairs(self._library, self._instance, self.comm)[0]
+        return self._pairs()[0]
 
     def contacts(self) -> Arrays:
         """Contact history, sorted by (id_lo, id_hi), on every rank."""
-        return get_pairs(self._library, self._instance, self.comm)[1]
+        return self._pairs()[1]
+
+    def _pairs(self) -> tuple[Arrays, Arrays]:
+        columns = self.params.contact_columns
+        return get_pairs(self._library, self._instance, self.comm, columns)
 
     def diagnostics(self) -> dict[str, float]:
         """Sums over all ranks: energies and works (J), impulses (N s), counts.
@@ -215,9 +222,8 @@ class Engine:
         self._check(failed)
 
     def _put_pairs(self, bonds: Arrays, contacts: Arrays) -> None:
-        library, instance, comm = self._library, self._instance, self.comm
-        self._check(put_pairs(library, instance, bonds, contacts))
-        held = get_pairs(library, instance, comm)
+        self._check(put_pairs(self._library, self._instance, bonds, contacts))
+        held = self._pairs()
         for table, present, kind in zip((bonds, contacts), held, ("bond", "contact"), strict=True):
             missing = missing_pairs(table, present)
             if missing:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from floeflow.dynamics.bondtable import BOND_COLUMNS, CONTACT_COLUMNS, Arrays, element_rows
+from floeflow.dynamics.bondtable import BOND_COLUMNS, RIDGE_COLUMNS, Arrays, element_rows
 from floeflow.dynamics.engineparams import FIXED
 from floeflow.errors import FloeError
 
@@ -74,11 +74,16 @@ def check_bonds(elements: Arrays, bonds: Arrays) -> None:
             )
 
 
-def check_contacts(elements: Arrays, bonds: Arrays, contacts: Arrays) -> None:
+def check_contacts(
+    elements: Arrays, bonds: Arrays, contacts: Arrays, columns: tuple[str, ...]
+) -> None:
     """Refuse a contact table with impossible values or with bonded pairs in it."""
-    _check_pairs(elements, contacts, CONTACT_COLUMNS, "contact")
-    if (contacts["rest_overlap"] < 0).any():
-        raise FloeError("A contact's rest_overlap must not be negative.")
+    _check_pairs(elements, contacts, columns, "contact")
+    # With ridging a contact may reach across a gap: its rest overlap is below 0 then.
+    kept = RIDGE_COLUMNS if "ridge_closing" in columns else ("rest_overlap",)
+    for name in kept:
+        if (contacts[name] < 0).any():
+            raise FloeError(f"A contact's {name} must not be negative.")
     bonded = set(zip(bonds["id_lo"].tolist(), bonds["id_hi"].tolist(), strict=True))
     for pair in zip(contacts["id_lo"].tolist(), contacts["id_hi"].tolist(), strict=True):
         if pair in bonded:

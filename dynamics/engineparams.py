@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from floeflow.dynamics.bondtable import CONTACT_COLUMNS, RIDGE_COLUMNS
 from floeflow.errors import FloeError
 
 FIXED = 2  # type of elements that never move
@@ -23,7 +24,7 @@ class EngineParams:
     ----------
     time_step : float
         s.
-    bonds, friction, wind, ocean_drag, coriolis, tilt : bool
+    bonds, friction, ridging, wind, ocean_drag, coriolis, tilt : bool
         Switches; what is off is not computed.
     young_modulus, poisson_ratio, bond_damping : float
         Bonds: Pa, 1, share of critical damping.
@@ -33,6 +34,9 @@ class EngineParams:
         Pa (where constant), tensile over compressive strength, rad.
     contact_modulus, contact_shear_ratio, contact_damping, friction_coefficient : float
         Unbonded contact: Pa, tangential over normal stiffness, share of critical damping, 1.
+    ridge_force, ridge_hardening, ridge_thickness : float
+        Ridging force per contact length and ridge thickness, N/m2; its growth with closing per
+        squared thickness, N/m4; thickness from which on ice crushes instead, m.
     wind_stress_factor, ocean_stress_factor : float
         Density times drag coefficient of air and of water, kg/m3.
     turning_angle : float
@@ -49,6 +53,7 @@ class EngineParams:
     time_step: float
     bonds: bool = False
     friction: bool = True
+    ridging: bool = False
     wind: bool = False
     ocean_drag: bool = False
     coriolis: bool = False
@@ -64,6 +69,9 @@ class EngineParams:
     contact_shear_ratio: float = 0.5
     contact_damping: float = 0.3
     friction_coefficient: float = 0.3
+    ridge_force: float = 26126.0
+    ridge_hardening: float = 928.0
+    ridge_thickness: float = 0.3
     wind_stress_factor: float = 1.3 * 1.2e-3
     ocean_stress_factor: float = 1026.0 * 5.5e-3
     turning_angle: float = 0.0
@@ -79,6 +87,8 @@ class EngineParams:
             "friction_angle",
             "contact_modulus",
             "contact_shear_ratio",
+            "ridge_force",
+            "ridge_thickness",
             "skin",
         }
         for item in fields(self):
@@ -114,6 +124,11 @@ class EngineParams:
         return np.full(np.shape(thickness), self.compressive_strength)
 
     @property
+    def contact_columns(self) -> tuple[str, ...]:
+        """Columns of the contact table besides the ids."""
+        return (*CONTACT_COLUMNS, *RIDGE_COLUMNS) if self.ridging else CONTACT_COLUMNS
+
+    @property
     def external(self) -> tuple[str, ...]:
         """Names of the forcing fields that the switches need."""
         names: set[str] = set()
@@ -132,6 +147,8 @@ class EngineParams:
         )
         return (
             f"pair_style gran model floe bonds {_yes(self.bonds)} friction {_yes(self.friction)}"
+            f" ridging {_yes(self.ridging)} ridge_force {self.ridge_force!r}"
+            f" ridge_hardening {self.ridge_hardening!r} ridge_thickness {self.ridge_thickness!r}"
             f" bond_young {self.young_modulus!r} poisson {self.poisson_ratio!r}"
             f" bond_damping {self.bond_damping!r} compressive_strength {strength}"
             f" tensile_share {self.tensile_share!r} friction_angle {self.friction_angle!r}"

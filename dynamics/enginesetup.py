@@ -74,6 +74,19 @@ def choose_skin(elements: Arrays, params: EngineParams) -> float:
     return float(np.clip(2.0 * LIST_LIFE * speed * params.time_step, 0.02 * mean, 0.5 * mean))
 
 
+def contact_reach(elements: Arrays, contacts: Arrays, params: EngineParams) -> float:
+    """Furthest that centres in contact can be apart, over the sum of their radii.
+
+    With ridging a contact may reach across a gap: that of the bond which broke there, or one that
+    ridging on other sides of its elements left (negative rest overlap).
+    """
+    if not params.ridging or len(contacts["id_lo"]) == 0:
+        return 1.0
+    lo, hi = (np.searchsorted(elements["id"], contacts[name]) for name in ("id_lo", "id_hi"))
+    radii = elements["radius"][lo] + elements["radius"][hi]
+    return float(np.max(1.0 - np.minimum(contacts["rest_overlap"], 0.0) / radii)) * 1.002
+
+
 def bond_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> float:
     """Furthest that a bonded pair's centres can be apart, over the sum of its radii.
 

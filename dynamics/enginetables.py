@@ -8,15 +8,31 @@ import ctypes
 import numpy as np
 from mpi4py import MPI
 
-from floeflow.dynamics.bondtable import BOND_COLUMNS, CONTACT_COLUMNS, Arrays, line_length
+from floeflow.dynamics.bondtable import (
+    BOND_COLUMNS,
+    CONTACT_COLUMNS,
+    RIDGE_COLUMNS,
+    Arrays,
+    line_length,
+)
 
 # Columns of an element in the plugin's order (liggghts_models/capi/capi.h).
-COLUMNS = ("x", "y", "theta", "u", "v", "omega", "radius", "mass", "thickness", "ice_area")
+COLUMNS = (
+    *("x", "y", "theta", "u", "v", "omega", "radius", "mass", "thickness", "ice_area"),
+    "ridged_area",
+)
+_CONTACT = (*CONTACT_COLUMNS, *RIDGE_COLUMNS)
 _NOT_FINITE, _BOND_REACH = 1, 3
 
 
 def _columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
-    columns = [np.asarray(table[name], dtype=float) for name in names]
+    # Only ridging has the columns that may be missing; without it, and at its start, they are 0.
+    none = np.zeros(len(next(iter(table.values()))))
+    optional = ("ridged_area", *RIDGE_COLUMNS)
+    columns = [
+        np.asarray(table.get(name, none) if name in optional else table[name], dtype=float)
+        for name in names
+    ]
     return np.ascontiguousarray(np.column_stack(columns))
 
 
@@ -57,7 +73,7 @@ def put_pairs(
 ) -> int:
     """Put all pairs into the neighbour lists; returns 1 if that failed."""
     arguments: list[object] = []
-    for table, names in ((bonds, BOND_COLUMNS), (contacts, CONTACT_COLUMNS)):
+    for table, names in ((bonds, BOND_COLUMNS), (contacts, _CONTACT)):
         ids = np.column_stack([table["id_lo"], table["id_hi"]]).astype(np.int64)
         arguments += [len(ids), np.ascontiguousarray(ids), _columns(table, names)]
     return int(library.floe_put_pairs(instance, *arguments))
@@ -71,20 +87,21 @@ def count_pairs(library: ctypes.CDLL, instance: ctypes.c_void_p) -> tuple[int, i
 
 
 def get_pairs(
-    library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
+    library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm, contact: tuple[str, ...]
 ) -> tuple[Arrays, Arrays]:
-    """Bond and contact tables, sorted by (id_lo, id_hi), on every rank."""
+    """Bond table and contact table with these columns, sorted by (id_lo, id_hi), on every rank."""
     counts = count_pairs(library, instance)
     ids = [np.empty((n, 2), np.int64) for n in counts]
-    values = [np.empty((counts[0], len(BOND_COLUMNS))), np.empty((counts[1], len(CONTACT_COLUMNS)))]
+    values = [np.empty((counts[0], len(BOND_COLUMNS))), np.empty((counts[1], len(_CONTACT)))]
     library.floe_get_pairs(instance, ids[0], values[0], ids[1], values[1])
     tables = []
-    for k, names in enumerate((BOND_COLUMNS, CONTACT_COLUMNS)):
+    for k, (names, wanted) in enumerate(((BOND_COLUMNS, BOND_COLUMNS), (_CONTACT, contact))):
         pair, row = _gather(comm, ids[k]), _gather(comm, values[k])
         order = np.lexsort((pair[:, 1], pair[:, 0]))
         table = {"id_lo": pair[order, 0].copy(), "id_hi": pair[order, 1].copy()}
         for column, name in enumerate(names):
-            table[name] = row[order, column].copy()
+            if name in wanted:
+                table[name] = row[order, column].copy()
         tables.append(table)
     tables[0]["length"] = line_length(tables[0])
     return tables[0], tables[1]

@@ -24,8 +24,8 @@ from floeflow.bench import Record, write_records
 from floeflow.config import Scene
 from floeflow.dynamics import resume
 from floeflow.dynamics.collective import leave, on_root
-from floeflow.dynamics.coupling import advance_columns
-from floeflow.dynamics.elements import thin_bonds
+from floeflow.dynamics.coupling import advance_columns, freeze_window
+from floeflow.dynamics.elements import pair_arrays, thin_bonds
 from floeflow.dynamics.job import Job
 from floeflow.dynamics.motion import Motion, move
 from floeflow.dynamics.series import series_dataset, volumes
@@ -76,6 +76,7 @@ def advance_window(
     start = float(state.attrs["time"])
     end = start + scene.time.window
     budget = volumes(state, "start")
+    touched = pair_arrays(state, "contact")
     motion = move(comm, scene, state, forcing, log, report)
     state = motion.state
     budget |= volumes(state, "dynamics")
@@ -84,6 +85,9 @@ def advance_window(
         state, terms = advance_columns(comm, scene, state, forcing, (start, end))
         budget |= terms
         state = thin_bonds(state)
+    if "refreeze" in scene.effects:
+        state, formed = freeze_window(scene, state, touched, forcing, (start, end))
+        budget["bonds_refrozen"] = formed
     seconds = time.perf_counter() - began
     budget |= volumes(state, "end")
     state.attrs = {
@@ -129,7 +133,7 @@ def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
         forcing = on_root(comm, read_dataset, path)
         made_from = resume.window_hash(state, forcing, job.fixed)
         log = folder / "log/window" / f"{window}.liggghts.log"
-        report = _reporter(comm, window, began)
+        report = _reporter(comm, window)
         advanced = advance_window(comm, scene, state, forcing, log, report)
         provenance = json.loads(state.attrs["provenance"])
         provenance |= job.fixed | {"window": made_from}
@@ -151,11 +155,10 @@ def _write(advanced: Advanced, work: Path, began: float) -> None:
     write_state(advanced.state, work / resume.PARTS["state"])
 
 
-def _reporter(comm: MPI.Comm, window: str, began: float) -> Report:
+def _reporter(comm: MPI.Comm, window: str) -> Report:
     def report(**event: Any) -> None:
         if comm.rank == 0:
-            seconds = time.perf_counter() - began
-            print(json.dumps({"window": window, "seconds": seconds, **event}), flush=True)
+            print(json.dumps({"window": window, **event}), flush=True)
 
     return report
 

@@ -17,6 +17,7 @@ from floeflow.config import Scene
 from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
 from floeflow.dynamics.elements import Arrays, element_arrays, moved_state, pair_arrays
 from floeflow.dynamics.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.ridging import close_areas
 from floeflow.dynamics.timestep import critical_step
 from floeflow.effects import plugin_switches
 from floeflow.state.schema import MOBILE
@@ -26,7 +27,7 @@ Report = Callable[..., None]
 # Stands in for the step while the step itself is sought.
 _ANY_STEP = 1.0
 _IMPULSES = ("wind", "ocean", "coriolis", "tilt")
-_LOSSES = ("bond", "contact", "friction", "fracture")
+_LOSSES = ("bond", "contact", "friction", "fracture", "ridging")
 
 
 @dataclass
@@ -60,6 +61,9 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
         contact_modulus=d.contact_modulus,
         contact_damping=d.contact_damping,
         friction_coefficient=d.friction_coefficient,
+        ridge_force=d.ridge_force,
+        ridge_hardening=d.ridge_hardening,
+        ridge_thickness=d.ridge_thickness,
         wind_stress_factor=AIR_DENSITY * d.air_drag,
         ocean_stress_factor=SEAWATER_DENSITY * d.ocean_drag,
         turning_angle=math.radians(d.turning_angle),
@@ -140,7 +144,12 @@ def move(
         motion.seconds = time.perf_counter() - began
         motion.budget = _budget(scene, first, sums)
         left = engine.bonds() if bonds is not None else None
-        motion.state = moved_state(state, engine.elements(), left, engine.contacts())
+        moved = engine.elements()
+        motion.state = moved_state(state, moved, left, engine.contacts())
+    if params.ridging:
+        ridged = moved["ridged_area"]
+        motion.state = close_areas(motion.state, ridged, scene.dynamics.minimum_thickness)
+        motion.budget["ridged_area"] = float(ridged.sum())
     return motion
 
 
@@ -179,6 +188,7 @@ def _budget(scene: Scene, first: dict[str, float], last: dict[str, float]) -> di
     for name in kept:
         budget[f"work_{name}"] = last[f"work_{name}"]
     lossy = {"bond": on.bonds, "fracture": on.bonds, "friction": on.friction, "contact": True}
+    lossy["ridging"] = on.ridging
     for name in _LOSSES:
         if lossy[name]:
             budget[f"dissipation_{name}"] = last[f"dissipation_{name}"]
@@ -198,4 +208,7 @@ def _still(scene: Scene, state: xr.Dataset) -> Motion:
     nothing |= {f"impulse_fixed_{axis}": 0.0 for axis in "xy"}
     nothing |= {f"work_{name}": 0.0 for name in _IMPULSES}
     nothing |= {f"dissipation_{name}": 0.0 for name in _LOSSES}
-    return Motion(state, samples=samples, budget=_budget(scene, nothing, nothing))
+    budget = _budget(scene, nothing, nothing)
+    if "ridging" in scene.effects:
+        budget["ridged_area"] = 0.0
+    return Motion(state, samples=samples, budget=budget)

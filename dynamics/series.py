@@ -25,6 +25,8 @@ PREFIX_UNITS = {
     "work_": "J",
     "dissipation_": "J",
     "ice_area_": "m2",
+    "ridged_": "m2",
+    "bonds_": "1",
     "ice_volume_": "m3",
     "snow_volume_": "m3",
     "growth_": "m3",

@@ -73,6 +73,8 @@ _BOND_STATE = (
     "bond_hi_by",
 )
 
+_RIDGE_STATE = ("contact_ridge_closing", "contact_ridge_thickness", "contact_ridge_length")
+
 _REGISTERED = (
     Effect(
         name="wind",
@@ -119,6 +121,23 @@ _REGISTERED = (
         plugin=("bonds",),
         state=_BOND_STATE,
         diagnostics=("intact_bonds",),
+    ),
+    Effect(
+        name="ridging",
+        physics="Plastic contacts: pressed elements lose area to ridges and keep their ice volume.",
+        source="Hopkins 1994, 1996; Turner et al. 2022",
+        plugin=("ridging",),
+        state=_RIDGE_STATE,
+        diagnostics=("ridged_area",),
+    ),
+    Effect(
+        name="refreeze",
+        physics="Elements in touch in cold air freeze together; bonds grow thicker from thin.",
+        source="Stefan's law; Hopkins & Thorndike 2006",
+        needs=("bonds", "thermodynamics"),
+        forcing=("air_temperature",),
+        state=("contact_touch_time",),
+        diagnostics=("bonds_refrozen",),
     ),
     Effect(
         name="thermodynamics",

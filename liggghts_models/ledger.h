@@ -18,7 +18,7 @@ struct Ledger {
   double impulse_tilt_x = 0.0, impulse_tilt_y = 0.0;
   double impulse_fixed_x = 0.0, impulse_fixed_y = 0.0;       // taken up by fixed elements
   double dissipation_bond = 0.0, dissipation_contact = 0.0;  // J
-  double dissipation_friction = 0.0, dissipation_fracture = 0.0;
+  double dissipation_friction = 0.0, dissipation_fracture = 0.0, dissipation_ridging = 0.0;
   double bonds_cracked = 0.0, bonds_broken = 0.0;  // counts
 };
 
@@ -27,7 +27,7 @@ inline const char *ledger_names() {
          "impulse_wind_x impulse_wind_y impulse_ocean_x impulse_ocean_y "
          "impulse_coriolis_x impulse_coriolis_y impulse_tilt_x impulse_tilt_y "
          "impulse_fixed_x impulse_fixed_y dissipation_bond dissipation_contact "
-         "dissipation_friction dissipation_fracture bonds_cracked bonds_broken";
+         "dissipation_friction dissipation_fracture dissipation_ridging bonds_cracked bonds_broken";
 }
 
 enum FaultKind { fault_none = 0, fault_not_finite = 1, fault_runaway = 2, fault_bond_reach = 3 };

@@ -97,8 +97,10 @@ def _expected(effects: tuple[str, ...]) -> list[str]:
     for series in diagnostic_series(effects):
         if series.startswith("impulse_"):
             names += [f"{series}_x", f"{series}_y"]
-        elif series == "intact_bonds":
+        elif series in ("intact_bonds", "bonds_refrozen"):
             names.append(series)
+        elif series == "ridged_area":
+            names += [series, "dissipation_ridging"]
         elif series == "ice_growth":
             names.append("energy_stored")
     return names

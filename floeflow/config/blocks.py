@@ -168,6 +168,22 @@ class Dynamics(Block):
     contact_damping: float = key(
         0.3, "Damping of unbonded contact, as a share of critical.", "1", ge=0, le=2
     )
+    ridge_force: float = key(
+        26126.0, "Ridging force per contact length and ridge thickness, thin ice.", "N/m2", gt=0
+    )
+    ridge_hardening: float = key(
+        928.0, "Growth of that force with closing, per ridge thickness squared.", "N/m4", ge=0
+    )
+    ridge_thickness: float = key(
+        0.3, "Ridge thickness from which on ice is crushed (compressive_strength).", "m", gt=0
+    )
+    refreeze_time: float = key(
+        86400.0, "Elements in touch in freezing air for so long freeze together.", "s", gt=0
+    )
+    refreeze_temperature: float = key(
+        263.15, "Air colder than this freezes elements together.", "K", ge=200, le=271.35
+    )
+    refreeze_thickness: float = key(0.05, "Thickness of a new bond.", "m", gt=0, le=1)
     bond_damping: float = key(0.1, "Damping of bonds, as a share of critical.", "1", ge=0, le=2)
     strength: Literal["constant", "kovacs_sodhi"] = key(
         "constant", "Compressive strength: constant, or 1285 kPa (h / 1 m)^(2/3)."

@@ -45,8 +45,8 @@ def _bond(units: str, text: str, low: float = -np.inf, high: float = np.inf) -> 
     return Variable(("bond",), "float64", units, text, low, high)
 
 
-def _contact(units: str, text: str) -> Variable:
-    return Variable(("contact",), "float64", units, text)
+def _contact(units: str, text: str, low: float = -np.inf) -> Variable:
+    return Variable(("contact",), "float64", units, text, low)
 
 
 VARIABLES: dict[str, Variable] = {
@@ -82,7 +82,11 @@ VARIABLES: dict[str, Variable] = {
     "contact_id_lo": Variable(("contact",), "int64", "1", "lower id of the touching pair", 1),
     "contact_id_hi": Variable(("contact",), "int64", "1", "higher id of the touching pair", 1),
     "contact_slip": _contact("m", "elastic tangential displacement of the friction law"),
-    "contact_rest_overlap": _contact("m", "overlap that makes no force"),
+    "contact_rest_overlap": _contact("m", "overlap that makes no force; below 0: across a gap"),
+    "contact_touch_time": _contact("s", "time in touch and in freezing air", 0),
+    "contact_ridge_closing": _contact("m", "plastic closing since the pair touched", 0),
+    "contact_ridge_thickness": _contact("m", "thickness of the ice in the contact", 0),
+    "contact_ridge_length": _contact("m", "contact length", 0),
 }
 
 # Attributes that every state carries, with their types.

@@ -16,14 +16,16 @@ void floe_close(void *instance);
 int floe_command(void *instance, const char *line);
 void floe_set_start_time(void *instance, double seconds);  // local
 
-// Elements. columns: x y theta u v omega radius mass thickness ice_area, one row per element.
+// Elements. columns: x y theta u v omega radius mass thickness ice_area ridged_area, one row per
+// element.
 int floe_create_elements(void *instance, long long n, const long long *id, const signed char *type,
                          const double *columns);
 long long floe_count_elements(void *instance);                                              // local
 void floe_get_elements(void *instance, long long *id, signed char *type, double *columns);  // local
 
 // Pairs, by (lower id, higher id), one row each. bond columns: span thickness crack_a crack_b lo_ax
-// lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by; contact columns: slip rest_overlap.
+// lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by; contact columns: slip rest_overlap, then closing, thickness and
+// length of the ridge (without ridging not read, and given as 0).
 // A pair that is in no neighbour list is not taken in.
 int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, const double *bond,
                    long long contacts, const long long *contact_ids, const double *contact);

@@ -19,7 +19,20 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-enum Column { x, y, theta, u, v, omega, radius, mass, thickness, ice_area, column_count };
+enum Column {
+  x,
+  y,
+  theta,
+  u,
+  v,
+  omega,
+  radius,
+  mass,
+  thickness,
+  ice_area,
+  ridged_area,
+  column_count
+};
 
 // The part of the box that this rank owns; its upper edge belongs to the next rank.
 bool owns(const Domain *domain, const double *row) {
@@ -53,6 +66,7 @@ int floe_create_elements(void *instance, long long n, const long long *id, const
       fix->set_orientation(i, row[theta]);
       fix->thickness[i] = row[thickness];
       fix->ice_area[i] = row[ice_area];
+      fix->ridged_area[i] = row[ridged_area];
     }
     // Or LIGGGHTS gives every element the fix's defaults when it first initialises.
     fix->just_created = false;
@@ -84,6 +98,7 @@ void floe_get_elements(void *instance, long long *id, signed char *type, double 
     row[mass] = atom->rmass[i];
     row[thickness] = fix->thickness[i];
     row[ice_area] = fix->ice_area[i];
+    row[ridged_area] = fix->ridged_area[i];
   }
 }
 

@@ -21,7 +21,7 @@ namespace slot = floe::slot;
 
 namespace {
 
-constexpr int bond_columns = 12, contact_columns = 2;
+constexpr int bond_columns = 12, contact_columns = 5, ridge_columns = 3;
 
 struct Place {
   int i, j;
@@ -99,8 +99,12 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
       const auto c = contact_row.find(pair_key);
       if (c == contact_row.end()) return;
       *p.flag = 1;
-      p.history[slot::slip] = contact[contact_columns * c->second];
-      p.history[slot::rest_overlap] = contact[contact_columns * c->second + 1];
+      const double *row = contact + contact_columns * c->second;
+      p.history[slot::slip] = row[0];
+      p.history[slot::rest_overlap] = row[1];
+      if (parts.floe->ridging) {
+        std::copy(row + 2, row + contact_columns, p.history + slot::ridge_closing);
+      }
     });
   });
 }
@@ -119,6 +123,7 @@ void floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long
                     double *contact) {
   auto *lmp = static_cast<LAMMPS *>(instance);
   const bool with_bonds = floe::find_parts(lmp).floe->bonds;
+  const bool with_ridges = floe::find_parts(lmp).floe->ridging;
   each_pair(lmp, [&](const Place &p) {
     if (!*p.flag || !speaks(lmp->atom, p)) return;
     const int a = lmp->atom->tag[p.i], b = lmp->atom->tag[p.j];
@@ -130,8 +135,12 @@ void floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long
     } else {
       *contact_ids++ = std::min(a, b);
       *contact_ids++ = std::max(a, b);
-      *contact++ = p.history[slot::slip];
-      *contact++ = p.history[slot::rest_overlap];
+      contact[0] = p.history[slot::slip];
+      contact[1] = p.history[slot::rest_overlap];
+      for (int k = 0; k < ridge_columns; ++k) {
+        contact[2 + k] = with_ridges ? p.history[slot::ridge_closing + k] : 0.0;
+      }
+      contact += contact_columns;
     }
   });
 }

@@ -12,7 +12,7 @@ struct alignas(64) Body {
 };
 
 struct alignas(32) Load {
-  double fx, fy, torque, unused;
+  double fx, fy, torque, ridged;  // N, N m; area turned into ridge, m2
 };
 
 }  // namespace floe

@@ -34,8 +34,8 @@ FLOE_INLINE void evaluate_pack(const ContactTask &t, const Touching *pairs, int 
   P slip = h[0], rest = h[1];
   const P overlap = effective_overlap(pose, rest);
   ContactLossOf<P> loss;
-  ContactForceOf<P> touch =
-      contact_force<Friction, P>(t.material, {h[2], h[3]}, pose, overlap, t.step, slip, loss);
+  ContactForceOf<P> touch = contact_force<Friction, false, P>(t.material, {h[2], h[3]}, pose,
+                                                              overlap, t.step, slip, loss);
   const P none{};
   const auto idle = overlap <= none;
   Load nowhere{};

@@ -7,6 +7,7 @@
 #define FLOE_CONTACT_HISTORY_H
 
 #include "bond.h"
+#include "ridge.h"
 
 namespace floe {
 namespace slot {
@@ -14,6 +15,8 @@ namespace slot {
 // A contact has span 0. Constants follow from the rest and are kept to save their roots.
 enum Common { span = 0 };
 enum Contact { slip = 1, rest_overlap, contact_stiffness, contact_damping, contact_size };
+// With ridging a contact carries these too.
+enum Ridge { ridge_closing = contact_size, ridge_thickness, ridge_length, ridge_size };
 enum Bond {
   crack_a = 1,
   crack_b,
@@ -49,6 +52,12 @@ inline BondShape bond_shape(const double *h) {
 inline BondConstants bond_constants_at(const double *h) {
   return {h[slot::bond_length], h[slot::bond_ratio], h[slot::bond_damping], h[slot::bond_squeeze]};
 }
+
+inline Ridge ridge_at(const double *h) {
+  return {h[slot::ridge_closing], h[slot::ridge_thickness], h[slot::ridge_length]};
+}
+
+inline bool is_bond(int flag, const double *h) { return flag && h[slot::span] != 0.0; }
 
 }  // namespace floe
 

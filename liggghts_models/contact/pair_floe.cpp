@@ -10,6 +10,7 @@
 #include "contact_batch.h"
 #include "fix_floe_integrate.h"
 #include "history.h"
+#include "losses.h"
 #include "neigh_list.h"
 #include "neighbor.h"
 #include "pair_gran.h"
@@ -22,38 +23,15 @@ namespace floe {
 namespace {
 
 // Nothing remains of a contact that opened.
+template <bool Ridging>
 void forget(int &flag, double *h) {
   if (!flag) return;
   flag = 0;
-  for (int k = 0; k < slot::contact_size; ++k) h[k] = 0.0;
-}
-
-// The bond gives way: overlap present at that moment makes no force from now on.
-void break_bond(int &flag, double *h, int size, double overlap) {
+  constexpr int size = Ridging ? int{slot::ridge_size} : int{slot::contact_size};
   for (int k = 0; k < size; ++k) h[k] = 0.0;
-  flag = overlap > 0.0;
-  if (overlap > 0.0) h[slot::rest_overlap] = overlap;
 }
 
 }  // namespace
-
-bool is_bond(int flag, const double *h) { return flag && h[slot::span] != 0.0; }
-
-// Sums over the pairs of one rank in one step.
-struct Losses {
-  double bond = 0.0, contact = 0.0;       // W
-  double friction = 0.0, fracture = 0.0;  // J
-  double cracked = 0.0, broken = 0.0;
-
-  void add_to(Ledger &total, double step) const {
-    total.dissipation_bond += bond * step;
-    total.dissipation_contact += contact * step;
-    total.dissipation_friction += friction;
-    total.dissipation_fracture += fracture;
-    total.bonds_cracked += cracked;
-    total.bonds_broken += broken;
-  }
-};
 
 void PairFloe::gather() {
   const int all = atom->nlocal + atom->nghost;
@@ -75,71 +53,11 @@ void PairFloe::scatter() {
   }
 }
 
-void PairFloe::list_bonds(PairGran *pg) {
-  const NeighList *list = pg->list, *past = pg->listgranhistory;
-  const int *tag = atom->tag;
-  const int size = pg->dnum();
-  batch_.clear();
-  rims_.clear();
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii], count = list->numneigh[i];
-    bool rim = false;
-    for (int jj = 0; jj < count; ++jj) {
-      const int j = list->firstneigh[i][jj] & NEIGHMASK;
-      double *h = past->firstdouble[i] + static_cast<std::ptrdiff_t>(size) * jj;
-      int *flag = past->firstneigh[i] + jj;
-      if (is_bond(*flag, h)) {
-        const bool i_low = tag[i] < tag[j];
-        batch_.add({h, flag, i_low ? i : j, i_low ? j : i, j < atom->nlocal ? 1.0 : 0.5});
-      } else {
-        rim = true;
-      }
-    }
-    if (rim) rims_.push_back(i);
-  }
-  stale_ = false;
+void PairFloe::scatter_ridged() {
+  for (int i = 0; i < atom->nlocal; ++i) fix_->ridged_area[i] += loads_[i].ridged;
 }
 
-// A bond that cracks or comes to the end of the neighbours' reach.
-void PairFloe::bond_alone(const ListedBond &b, int size, bool advance, Losses &lost) {
-  double *h = b.history;
-  const Body &lo = bodies_[b.lo], &hi = bodies_[b.hi];
-  BondShape shape = bond_shape(h);
-  const BondConstants constants = bond_constants_at(h);
-  const BondPose pose{{hi.x - lo.x, hi.y - lo.y}, {lo.cos, lo.sin}, {hi.cos, hi.sin},
-                      {hi.u - lo.u, hi.v - lo.v}, lo.spin,          hi.spin};
-  const BondLine line = bond_line(shape, pose);
-  if (advance) {
-    const double sum = lo.radius + hi.radius, square = pose.d.x * pose.d.x + pose.d.y * pose.d.y;
-    if (square > limit2() * sum * sum) fix_->fault_at(b.lo, b.hi);
-    const BondShape before = shape;
-    if (bond_fracture(bond, constants, line, shape)) {
-      const bool counted = b.share == 1.0 || b.lo < atom->nlocal;
-      lost.fracture += b.share * (bond_energy(bond, constants, before, line) -
-                                  bond_energy(bond, constants, shape, line));
-      if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;
-      if (counted && shape.broken()) lost.broken += 1.0;
-      h[slot::crack_a] = shape.crack_a;
-      h[slot::crack_b] = shape.crack_b;
-      if (shape.broken()) {
-        stale_ = true;
-        break_bond(*b.flag, h, size, sum - std::sqrt(square));
-        return;
-      }
-    }
-  }
-  double watt;
-  const PairForce force = bond_force(bond, constants, shape, line, pose, watt);
-  lost.bond += b.share * watt;
-  loads_[b.lo].fx += force.f.x;
-  loads_[b.lo].fy += force.f.y;
-  loads_[b.lo].torque += force.torque_lo;
-  loads_[b.hi].fx -= force.f.x;
-  loads_[b.hi].fy -= force.f.y;
-  loads_[b.hi].torque += force.torque_hi;
-}
-
-template <bool Bonds, bool Friction>
+template <bool Bonds, bool Friction, bool Ridging>
 void PairFloe::loop(PairGran *pg) {
   const Body *bodies = bodies_.data();
   Load *loads = loads_.data();
@@ -149,10 +67,12 @@ void PairFloe::loop(PairGran *pg) {
   const bool advance = pg->shearupdate() != 0;
   const double step = advance ? update->dt : 0.0;
   Losses lost;
+
   if constexpr (Bonds) {
     if (stale_ || neighbor->ago == 0) list_bonds(pg);
     lost.bond += batch_.evaluate(bond, limit2(), advance, bodies, loads);
-    for (const ListedBond &odd : batch_.odd()) bond_alone(odd, size, advance, lost);
+    for (const ListedBond &odd : batch_.odd()) bond_alone<Ridging>(odd, size, advance, lost);
+    if (stale_) list_bonds(pg);  // what broke goes on as a contact, in this step
   }
   const int *rows = Bonds ? rims_.data() : list->ilist;
   const int row_count = Bonds ? static_cast<int>(rims_.size()) : list->inum;
@@ -172,8 +92,9 @@ void PairFloe::loop(PairGran *pg) {
       const Body &other = bodies[j];
       const double dx = other.x - body.x, dy = other.y - body.y, sum = body.radius + other.radius;
       const double square = dx * dx + dy * dy;
-      if (square >= sum * sum) {
-        forget(flags[jj], h);
+      // With ridging a contact can reach across a gap, and a ridge stays where it was built.
+      if (square >= sum * sum && !(Ridging && flags[jj])) {
+        forget<Ridging>(flags[jj], h);
         continue;
       }
       const double share = j < nlocal ? 1.0 : 0.5;  // a pair across ranks is met on both
@@ -189,17 +110,41 @@ void PairFloe::loop(PairGran *pg) {
                              {other.u - body.u, other.v - body.v},
                              body.spin,
                              other.spin};
-      double rest = h[slot::rest_overlap], slip = h[slot::slip];
-      const double overlap = effective_overlap(pose, rest);
-      if (advance) h[slot::rest_overlap] = rest;
+      const ContactConstants constants{h[slot::contact_stiffness], h[slot::contact_damping]};
+      double rest = h[slot::rest_overlap], slip = h[slot::slip], overlap, limit = 0.0;
+      if constexpr (Ridging) {
+        overlap = (sum - pose.distance) - rest;
+        if (overlap <= 0.0 && square >= sum * sum && h[slot::ridge_closing] == 0.0) {
+          if (advance) forget<true>(flags[jj], h);
+          continue;
+        }
+      } else {
+        overlap = effective_overlap(pose, rest);
+        if (advance) h[slot::rest_overlap] = rest;
+      }
       if (overlap <= 0.0) {
         if (advance) h[slot::slip] = 0.0;
         continue;
       }
+      if constexpr (Ridging) {
+        Ridge now = ridge_at(h);
+        limit = ridging_limit(now);
+        if (advance && constants.stiffness * overlap > limit) {
+          const double closed = close_ridge(constants.stiffness, sum - rest, overlap, now);
+          h[slot::rest_overlap] = rest + closed;
+          h[slot::ridge_closing] = now.closing;
+          h[slot::ridge_thickness] = now.thickness;
+          overlap = (sum - pose.distance) - h[slot::rest_overlap];
+          lost.ridging += share * constants.stiffness * overlap * closed;
+          const double area = now.length * closed, mine_of_it = share_of(i, j);
+          mine.ridged += mine_of_it * area;
+          loads[j].ridged += (1.0 - mine_of_it) * area;
+          limit = ridging_limit(now);
+        }
+      }
       ContactLoss loss;
-      const ContactForce touch =
-          contact_force<Friction>(contact, {h[slot::contact_stiffness], h[slot::contact_damping]},
-                                  pose, overlap, step, slip, loss);
+      const ContactForce touch = contact_force<Friction, Ridging>(contact, constants, pose, overlap,
+                                                                  step, slip, loss, limit);
       if (advance) h[slot::slip] = slip;
       lost.contact += share * loss.damping;
       lost.friction += share * loss.friction;
@@ -215,11 +160,12 @@ void PairFloe::loop(PairGran *pg) {
     loads[i].fx += mine.fx;
     loads[i].fy += mine.fy;
     loads[i].torque += mine.torque;
+    if constexpr (Ridging) loads[i].ridged += mine.ridged;
   }
   lost.add_to(fix_->ledger, step);
 }
 
-// The same where nothing is bonded: contacts are gathered and evaluated several at once.
+// The same where nothing is bonded and nothing ridges: contacts are gathered and evaluated several at once.
 template <bool Friction>
 void PairFloe::loop_contacts(PairGran *pg) {
   constexpr int room = 256;
@@ -247,7 +193,7 @@ void PairFloe::loop_contacts(PairGran *pg) {
       const Body &other = bodies[j];
       const double dx = other.x - x, dy = other.y - y, sum = radius + other.radius;
       if (dx * dx + dy * dy >= sum * sum) {
-        forget(flags[jj], h);
+        forget<false>(flags[jj], h);
         continue;
       }
       flags[jj] = 1;  // what has no contact has no history
@@ -265,15 +211,20 @@ void PairFloe::loop_contacts(PairGran *pg) {
   lost.add_to(fix_->ledger, step);
 }
 
+template <bool Friction>
+void PairFloe::choose_loop(PairGran *pg) {
+  if (bonds)
+    ridging ? loop<true, Friction, true>(pg) : loop<true, Friction, false>(pg);
+  else
+    ridging ? loop<false, Friction, true>(pg) : loop_contacts<Friction>(pg);
+}
+
 void PairFloe::compute_force(PairGran *pg, int, int, int) {
   pg->evflag = pg->vflag_fdotr = 0;  // energies and stresses are reported by sums() and the ledger
   gather();
-  if (bonds) {
-    friction ? loop<true, true>(pg) : loop<true, false>(pg);
-  } else {
-    friction ? loop_contacts<true>(pg) : loop_contacts<false>(pg);
-  }
+  friction ? choose_loop<true>(pg) : choose_loop<false>(pg);
   if (pg->computeflag()) scatter();
+  if (ridging) scatter_ridged();
 }
 
 }  // namespace floe

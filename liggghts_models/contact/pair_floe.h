@@ -16,6 +16,7 @@
 #include "contact.h"
 #include "granular_pair_style.h"
 #include "pointers.h"
+#include "ridge.h"
 
 namespace LAMMPS_NS {
 class FixFloeIntegrate;
@@ -52,27 +53,45 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
     return kovacs_sodhi ? kovacs_sodhi_strength(thickness) : compressive;
   }
   int history_size() const;
+  // Share of a contact's closed area that element i gives; a fixed one gives nothing.
+  double share_of(int i, int j) const;
   // Fills the slots of a bond that follow from its others and from its elements i and j.
   void finish_bond(double *history, int i, int j) const;
   void finish_contact(double *history, int i, int j) const;  // and of a contact
   void bonds_changed() { stale_ = true; }  // by others than this class, in the neighbour lists
 
-  bool bonds = false, friction = true, kovacs_sodhi = false;
+  bool bonds = false, friction = true, ridging = false, kovacs_sodhi = false;
   double compressive = 0.0;  // Pa, where it is constant
   double reach = 1.0;        // neighbours are kept up to this multiple of the sum of radii
   BondMaterial bond{};
   ContactMaterial contact{};
+  RidgeMaterial ridge{};
 
  private:
-  template <bool Bonds, bool Friction>
+  template <bool Bonds, bool Friction, bool Ridging>
   void loop(LAMMPS_NS::PairGran *);
   template <bool Friction>
   [[gnu::noinline]] void loop_contacts(LAMMPS_NS::PairGran *);
+  template <bool Ridging>
   void bond_alone(const ListedBond &, int size, bool advance, Losses &);
   double limit2() const { return 0.998 * reach * reach; }
   void list_bonds(LAMMPS_NS::PairGran *);
+  template <bool Friction>
+  void choose_loop(LAMMPS_NS::PairGran *);
   void gather();
   void scatter();
+  void scatter_ridged();
+  // Turns the history of a bond that broke into that of the contact that goes on: its force (N) and
+  // energy (J) in compression at that moment. Returns the elastic energy of the contact, J.
+  double take_over(int &flag, double *history, int i, int j, double overlap, double force,
+                   double energy) const;
+  RidgeForce ridging_force(const Ridge &r) const {
+    return ridge_force(ridge, compressive_strength(r.thickness), r);
+  }
+  double ridging_limit(const Ridge &r) const { return r.length * ridging_force(r).force; }
+  double close_ridge(double stiffness, double span, double overlap, Ridge &r) const {
+    return ridge_closing(ridging_force(r), stiffness, span, overlap, r);
+  }
   double reduced_mass(int i, int j) const;
   std::vector<Body> bodies_;  // of elements and ghosts
   std::vector<Load> loads_;

@@ -19,7 +19,8 @@ using namespace LAMMPS_NS;
 namespace floe {
 
 int PairFloe::history_size() const {
-  return bonds ? static_cast<int>(slot::bond_size) : static_cast<int>(slot::contact_size);
+  if (bonds) return static_cast<int>(slot::bond_size);
+  return ridging ? static_cast<int>(slot::ridge_size) : static_cast<int>(slot::contact_size);
 }
 
 void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *setup) {
@@ -50,12 +51,21 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   contact.young = 1.0e8;
   contact.shear_ratio = 0.5;
   contact.friction = 0.3;
+  ridge = {26126.0, 928.0, 0.3};
   for (; k < narg; ++k) {
     const std::string key = arg[k];
     if (key == "bonds")
       bonds = flag(key);
     else if (key == "friction")
       friction = flag(key);
+    else if (key == "ridging")
+      ridging = flag(key);
+    else if (key == "ridge_force")
+      ridge.start = number(key, true);
+    else if (key == "ridge_hardening")
+      ridge.hardening = number(key, false);
+    else if (key == "ridge_thickness")
+      ridge.thin = number(key, true);
     else if (key == "bond_young")
       bond.young = number(key, true);
     else if (key == "poisson")

@@ -15,6 +15,11 @@ using namespace LAMMPS_NS;
 
 namespace floe {
 
+namespace {
+// Side of a hexagon over the diameter of the circle inside it: how long discs touch that tile a plane.
+constexpr double edge_share = 0.577350269189626;
+}  // namespace
+
 // An element that never moves takes part like an infinitely heavy one. In the order of the ids, so
 // that both sides of a rank boundary find the same bits.
 double PairFloe::reduced_mass(int i, int j) const {
@@ -40,6 +45,33 @@ void PairFloe::finish_contact(double *h, int i, int j) const {
       contact_constants(contact, fix_->thickness[lo], fix_->thickness[hi], reduced_mass(i, j));
   h[slot::contact_stiffness] = c.stiffness;
   h[slot::contact_damping] = c.damping;
+  if (!ridging || h[slot::ridge_length] != 0.0) return;
+  h[slot::ridge_thickness] = std::min(fix_->thickness[lo], fix_->thickness[hi]);
+  h[slot::ridge_length] = edge_share * 2.0 * std::min(atom->radius[lo], atom->radius[hi]);
+}
+
+double PairFloe::share_of(int i, int j) const {
+  if (atom->type[i] == FixFloeIntegrate::fixed_type) return 0.0;
+  if (atom->type[j] == FixFloeIntegrate::fixed_type) return 1.0;
+  return ridge_share(fix_->thickness[i], fix_->thickness[j]);
+}
+
+double PairFloe::take_over(int &flag, double *h, int i, int j, double overlap, double force,
+                           double energy) const {
+  const double length = h[slot::bond_length];
+  std::fill(h, h + history_size(), 0.0);
+  flag = force > 0.0 || overlap > 0.0;
+  if (!flag) return 0.0;
+  finish_contact(h, i, j);
+  h[slot::ridge_length] = length;
+  const double stiffness = h[slot::contact_stiffness];
+  double push = 0.0;
+  if (stiffness > 0.0) {
+    push = ridge_takeover(force, energy, ridging_limit(ridge_at(h)), stiffness);
+    overlap -= push / stiffness;
+  }
+  h[slot::rest_overlap] = overlap;
+  return stiffness > 0.0 ? 0.5 * push * push / stiffness : 0.0;
 }
 
 PairSums PairFloe::sums(PairGran *pg) const {

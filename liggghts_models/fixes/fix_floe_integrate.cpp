@@ -42,6 +42,7 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
       thickness(nullptr),
       ice_area(nullptr),
       theta(nullptr),
+      ridged_area(nullptr),
       use_orientation(true),
       law{},
       start_time(0.0),
@@ -71,6 +72,7 @@ FixFloeIntegrate::~FixFloeIntegrate() {
   memory->destroy(thickness);
   memory->destroy(ice_area);
   memory->destroy(theta);
+  memory->destroy(ridged_area);
 }
 
 void FixFloeIntegrate::parse(int narg, char **arg) {
@@ -250,17 +252,20 @@ void FixFloeIntegrate::grow_arrays(int nmax) {
   memory->grow(thickness, nmax, "floe/integrate:thickness");
   memory->grow(ice_area, nmax, "floe/integrate:ice_area");
   memory->grow(theta, nmax, "floe/integrate:theta");
+  memory->grow(ridged_area, nmax, "floe/integrate:ridged_area");
 }
 
 void FixFloeIntegrate::copy_arrays(int i, int j, int) {
   thickness[j] = thickness[i];
   ice_area[j] = ice_area[i];
   theta[j] = theta[i];
+  ridged_area[j] = ridged_area[i];
 }
 
 void FixFloeIntegrate::set_arrays(int i) {
   thickness[i] = default_thickness;
   ice_area[i] = default_ice_area;
+  ridged_area[i] = 0.0;
   set_orientation(i, 0.0);
 }
 
@@ -278,14 +283,16 @@ int FixFloeIntegrate::pack_exchange(int i, double *buf) {
   buf[0] = thickness[i];
   buf[1] = ice_area[i];
   buf[2] = theta[i];
-  return 3;
+  buf[3] = ridged_area[i];
+  return 4;
 }
 
 int FixFloeIntegrate::unpack_exchange(int i, double *buf) {
   thickness[i] = buf[0];
   ice_area[i] = buf[1];
   theta[i] = buf[2];
-  return 3;
+  ridged_area[i] = buf[3];
+  return 4;
 }
 
-double FixFloeIntegrate::memory_usage() { return 3.0 * atom->nmax * sizeof(double); }
+double FixFloeIntegrate::memory_usage() { return 4.0 * atom->nmax * sizeof(double); }

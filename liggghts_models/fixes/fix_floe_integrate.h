@@ -42,9 +42,10 @@ class FixFloeIntegrate : public Fix {
   // Notes that the bond between elements i and j has come to the end of the neighbours' reach.
   void fault_at(int i, int j);
 
-  double *thickness;  // m, of elements and ghosts
-  double *ice_area;   // m2
-  double *theta;      // rad
+  double *thickness;    // m, of elements and ghosts
+  double *ice_area;     // m2
+  double *theta;        // rad
+  double *ridged_area;  // m2, turned into ridges since the element was made
 
   bool use_orientation;  // false where no bond needs cosine and sine
 

@@ -199,6 +199,13 @@ inline double bond_energy(const BondMaterial &m, const BondConstants &c, const B
   return 0.5 * c.ratio * c.length * w * (m.young * square + m.shear * line.dt * line.dt);
 }
 
+// Elastic normal force of the uncracked part, N: below 0 in compression.
+inline double bond_normal_force(const BondMaterial &m, const BondConstants &c, const BondShape &b,
+                                const BondLine &line) {
+  const double mid = line.dn + (0.5 * (b.xi_lo() + b.xi_hi()) - 0.5) * line.dn_slope;
+  return c.length * (b.xi_hi() - b.xi_lo()) * m.young * c.ratio * mid;
+}
+
 // Exact integrals of the line force and of its moment about the midline's centre over the uncracked
 // part; dissipation (W) is what the damping takes.
 template <typename T>

@@ -78,18 +78,21 @@ FLOE_INLINE T effective_overlap(const ContactPoseOf<T> &p, T &rest_overlap) {
 }
 
 // slip is the history: the elastic tangential displacement, m; step the time over which it advances
-// (0: only evaluate).
-template <bool Friction, typename T>
+// (0: only evaluate). With Ridging the normal force, damping included, stays below the limit (N),
+// or at the elastic force where that alone is above it.
+template <bool Friction, bool Ridging = false, typename T>
 FLOE_INLINE ContactForceOf<T> contact_force(const ContactMaterial &m,
                                             const ContactConstantsOf<T> &c,
                                             const ContactPoseOf<T> &p, T overlap, double step,
-                                            T &slip, ContactLossOf<T> &loss) {
+                                            T &slip, ContactLossOf<T> &loss, T ridging = T{}) {
   const T inv = 1.0 / p.distance, none{};
   const VectorOf<T> n{p.d.x * inv, p.d.y * inv};
   const T vn = p.v.x * n.x + p.v.y * n.y;
   const T elastic = c.stiffness * overlap;
+  T push = elastic - c.damping * vn;
   // What is not finite must come through: the order of the arguments keeps a NaN.
-  const T fn = larger(elastic - c.damping * vn, none);
+  if constexpr (Ridging) push = smaller(push, larger(elastic, ridging));
+  const T fn = larger(push, none);
   loss.damping = (elastic - fn) * vn;
   loss.friction = none;
   if constexpr (!Friction) return {{-fn * n.x, -fn * n.y}, none, none};

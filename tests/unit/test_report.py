@@ -219,6 +219,8 @@ def test_no_ice_and_absent_effects_are_said(bare: tuple[Run, str]):
         "tilt",
         "friction",
         "bonds",
+        "ridging",
+        "refreeze",
         "thermodynamics",
     ]
     assert not [key for key in scene_keys(run.scene) if key.path.startswith("column.")]

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Refreezing at a window's end: elements that stay in touch in the cold freeze together.
+
+New bonds begin thin and thicken as ice grows in a crack (Stefan's law), and so do old bonds that
+are thinner than the ice beside them. Ice that forms in between is free of stress, so a bond keeps
+its force while its strength grows. Pure functions on the state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from floeflow.dynamics.bondtable import EDGE_SHARE, Arrays, element_rows, new_bonds
+from floeflow.dynamics.elements import bearing_thickness, pair_arrays
+from floeflow.dynamics.engineparams import EngineParams
+from floeflow.state.schema import MOBILE, VARIABLES
+
+# A new bond that would have to bear more than this share of its strength does not form yet.
+MOST_LOAD = 0.5
+
+
+@dataclass(frozen=True)
+class Cold:
+    """When and how fast cracks freeze.
+
+    Parameters
+    ----------
+    touch_time : float
+        Time in touch and in the cold after which a pair freezes together, s.
+    temperature : float
+        Air colder than this freezes, K.
+    thickness : float
+        Of a new bond, m.
+    freezing_point : float
+        Of the sea, K.
+    growth : float
+        Stefan's 2 k / (rho L), by which the squared thickness grows per degree and second,
+        m2/(K s).
+    """
+
+    touch_time: float
+    temperature: float
+    thickness: float
+    freezing_point: float
+    growth: float
+
+
+Air = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+def refreeze(
+    state: xr.Dataset,
+    touched: Arrays,
+    air: Air,
+    cold: Cold,
+    params: EngineParams,
+    window: float,
+) -> tuple[xr.Dataset, int]:
+    """Let bonds thicken, count the time in touch and freeze pairs together.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        State at the window's end; its contacts have no touch time yet.
+    touched : dict of ndarray
+        Contact table at the window's start, with touch_time (s).
+    air : callable
+        Air temperature (K) over the window at places x, y (m).
+    cold : Cold
+        When and how fast.
+    params : EngineParams
+        Stiffness of bonds and contacts.
+    window : float
+        Length of the window, s.
+
+    Returns
+    -------
+    tuple of xarray.Dataset and int
+        State with bonds and contacts as they are now, and the number of new bonds.
+    """
+    elements = {name: state[name].values for name in ("id", "type", "x", "y", "theta", "radius")}
+    elements["thickness"] = bearing_thickness(state)
+    bonds = thicken(pair_arrays(state, "bond"), elements, air, cold, window)
+    contacts = pair_arrays(state, "contact")
+    contacts["touch_time"] = touch_times(contacts, touched, elements, air, cold, window)
+    made, healed = freeze(contacts, elements, cold, params)
+    bonds = {name: np.concatenate([bonds[name], made[name]]) for name in bonds}
+    order = np.lexsort((bonds["id_hi"], bonds["id_lo"]))
+    tables = {
+        "bond": {name: values[order] for name, values in bonds.items()},
+        "contact": {name: values[~healed] for name, values in contacts.items()},
+    }
+    keep = [name for name in state.variables if not str(name).startswith(("bond_", "contact_"))]
+    out = state[keep].copy()
+    for kind, table in tables.items():
+        for name, values in table.items():
+            full = f"{kind}_{name}"
+            out[full] = (kind, values.astype(VARIABLES[full].dtype, copy=False))
+    return out, int(healed.sum())
+
+
+def thicken(bonds: Arrays, elements: Arrays, air: Air, cold: Cold, window: float) -> Arrays:
+    """Bonds after a window of growth: no thicker than the ice beside them, force as before."""
+    lo, hi = _rows(bonds, elements)
+    degrees = np.maximum(cold.freezing_point - _air_between(elements, lo, hi, air), 0.0)
+    grown = np.sqrt(bonds["thickness"] ** 2 + cold.growth * degrees * window)
+    beside = np.minimum(elements["thickness"][lo], elements["thickness"][hi])
+    thickness = np.maximum(bonds["thickness"], np.minimum(grown, beside))
+    # The line force is stiffness times displacement, and stiffness grows with thickness.
+    out = scale_displacement(bonds, elements, bonds["thickness"] / thickness)
+    return out | {"thickness": thickness}
+
+
+def touch_times(
+    contacts: Arrays, touched: Arrays, elements: Arrays, air: Air, cold: Cold, window: float
+) -> np.ndarray:
+    """Time (s) for which each pair has been in touch and in the cold, by the windows' ends.
+
+    A pair counts a window if it is in touch at both of its ends; warm air sets it back to 0.
+    """
+    lo, hi = _rows(contacts, elements)
+    known = dict(
+        zip(
+            zip(touched["id_lo"].tolist(), touched["id_hi"].tolist(), strict=True),
+            touched["touch_time"].tolist(),
+            strict=True,
+        )
+    )
+    pairs = zip(contacts["id_lo"].tolist(), contacts["id_hi"].tolist(), strict=True)
+    since = np.array([known.get(pair, -window) for pair in pairs], dtype=float) + window
+    freezing = _air_between(elements, lo, hi, air) < cold.temperature
+    return np.where(freezing & (_elastic_overlap(contacts, elements) > 0), since, 0.0)
+
+
+def freeze(
+    contacts: Arrays, elements: Arrays, cold: Cold, params: EngineParams
+) -> tuple[Arrays, np.ndarray]:
+    """Bonds of the pairs that freeze together now, and which contacts they were.
+
+    The glue line lies across the line of centres where the contact's levers meet, as long as the
+    contact. It takes over the contact's force, or less where it would hold more elastic energy
+    than the contact did.
+    """
+    lo, hi = _rows(contacts, elements)
+    dx, dy = elements["x"][hi] - elements["x"][lo], elements["y"][hi] - elements["y"][lo]
+    span = np.hypot(dx, dy)
+    radii = elements["radius"][lo], elements["radius"][hi]
+    length = contacts.get("ridge_length", 2.0 * EDGE_SHARE * np.minimum(*radii))
+    beside = elements["thickness"][lo], elements["thickness"][hi]
+    thickness = np.minimum(cold.thickness, np.minimum(*beside))
+    elastic = np.maximum(_elastic_overlap(contacts, elements), 0.0)
+    total = np.maximum(beside[0] + beside[1], np.finfo(float).tiny)
+    spring = params.contact_modulus * beside[0] * beside[1] / total
+    stiffness = params.young_modulus * thickness * length / span
+    push = elastic * np.minimum(spring, np.sqrt(spring * stiffness))
+    bearable = MOST_LOAD * params.bond_strength(thickness) * thickness * length
+    mobile = (elements["type"][lo] == MOBILE) & (elements["type"][hi] == MOBILE)
+    healed = (contacts["touch_time"] >= cold.touch_time) & mobile
+    healed &= (contacts["touch_time"] > 0) & (thickness > 0) & (push <= bearable)
+
+    def at(values: np.ndarray) -> np.ndarray:
+        return np.asarray(values)[healed]
+
+    nx, ny = at(dx) / at(span), at(dy) / at(span)
+    arm, half = at(span * radii[0] / (radii[0] + radii[1])), 0.5 * at(length)
+    cx, cy = elements["x"][lo[healed]] + arm * nx, elements["y"][lo[healed]] + arm * ny
+    made = new_bonds(
+        elements,
+        *(at(contacts["id_lo"]), at(contacts["id_hi"])),
+        *(cx + half * ny, cy - half * nx, cx - half * ny, cy + half * nx),
+        at(thickness),
+    )
+    squeeze = -at(push) / np.where(at(push) > 0, at(stiffness), 1.0)
+    zero = np.zeros(len(squeeze))
+    return scale_displacement(made, elements, zero, squeeze * nx, squeeze * ny), healed
+
+
+def scale_displacement(
+    bonds: Arrays,
+    elements: Arrays,
+    factor: np.ndarray,
+    x: np.ndarray | float = 0.0,
+    y: np.ndarray | float = 0.0,
+) -> Arrays:
+    """Bonds whose displacement is multiplied by a factor, and then moved by (x, y) in m.
+
+    The midline stays: each element's line moves by half of the change.
+    """
+    lo, hi = _rows(bonds, elements)
+    out = dict(bonds)
+    for end in "ab":
+        low, high = (_world(bonds, elements, s, end, r) for s, r in (("lo", lo), ("hi", hi)))
+        for side, row, sign in (("lo", lo, 0.5), ("hi", hi, -0.5)):
+            # Displacement is high - low; the change is split between both.
+            ex = sign * ((1.0 - factor) * (high[0] - low[0]) - x)
+            ey = sign * ((1.0 - factor) * (high[1] - low[1]) - y)
+            cos, sin = np.cos(elements["theta"][row]), np.sin(elements["theta"][row])
+            out[f"{side}_{end}x"] = bonds[f"{side}_{end}x"] + cos * ex + sin * ey
+            out[f"{side}_{end}y"] = bonds[f"{side}_{end}y"] + cos * ey - sin * ex
+    return out
+
+
+def _world(
+    bonds: Arrays, elements: Arrays, side: str, end: str, row: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """An end of the line on one element, m."""
+    cos, sin = np.cos(elements["theta"][row]), np.sin(elements["theta"][row])
+    ax, ay = bonds[f"{side}_{end}x"], bonds[f"{side}_{end}y"]
+    return elements["x"][row] + cos * ax - sin * ay, elements["y"][row] + sin * ax + cos * ay
+
+
+def _rows(pairs: Arrays, elements: Arrays) -> tuple[np.ndarray, np.ndarray]:
+    ids = elements["id"]
+    return element_rows(ids, pairs["id_lo"]), element_rows(ids, pairs["id_hi"])
+
+
+def _elastic_overlap(contacts: Arrays, elements: Arrays) -> np.ndarray:
+    lo, hi = _rows(contacts, elements)
+    distance = np.hypot(
+        elements["x"][hi] - elements["x"][lo], elements["y"][hi] - elements["y"][lo]
+    )
+    overlap = elements["radius"][lo] + elements["radius"][hi] - distance
+    return np.asarray(overlap - contacts["rest_overlap"])
+
+
+def _air_between(elements: Arrays, lo: np.ndarray, hi: np.ndarray, air: Air) -> np.ndarray:
+    if len(lo) == 0:
+        return np.zeros(0)
+    middle = (0.5 * (elements[axis][lo] + elements[axis][hi]) for axis in ("x", "y"))
+    return np.asarray(air(*middle))

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What ridging leaves at a window's end: smaller elements of thicker ice, and open water.
+
+The dynamics count how much of each element's area its contacts turned into ridges. Here the
+elements lose that area; their ice keeps its volume and their contacts keep their force.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from floeflow.dynamics.bondtable import Arrays, element_rows
+from floeflow.dynamics.elements import element_arrays
+from floeflow.errors import FloeError
+from floeflow.state.schema import COAST
+
+# Per effective area, so that they grow as it shrinks.
+_VOLUMES = ("ice_volume", "snow_volume")
+
+
+def close_areas(state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float) -> xr.Dataset:
+    """Take the area that was turned into ridges from the elements.
+
+    Ice and leads of an element close in proportion (its ice fraction stays), ice and snow keep
+    their volume, the radius follows the area, and what was closed becomes unclaimed water. Bonds
+    hold their lines in the elements' body frames and need no change.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        State after the motion.
+    ridged : ndarray, shape (n,)
+        Area turned into ridges, m2, in the order of the elements.
+    minimum_thickness : float
+        As in `element_arrays`, m.
+
+    Returns
+    -------
+    xarray.Dataset
+        New state: area, radius, volumes, contacts, ``unclaimed_water``.
+
+    Raises
+    ------
+    FloeError
+        If an element would lose all its area; names it.
+    """
+    area = state["area"].values
+    coast = state["type"].values == COAST
+    left = np.where(coast, area, area - ridged)
+    gone = ~coast & ~(left > 0)
+    if gone.any():
+        row = int(np.flatnonzero(gone)[0])
+        raise FloeError(
+            f"Element {state['id'].values[row]} at ({state['x'].values[row]:.6g}, "
+            f"{state['y'].values[row]:.6g}) m lost all its area to ridging in one window: shorten "
+            "time.window."
+        )
+    share = np.divide(left, area, out=np.ones_like(area), where=~coast)
+    closed = state.copy()
+    closed["area"] = ("element", left)
+    closed["radius"] = ("element", state["radius"].values * np.sqrt(share))
+    for name in _VOLUMES:
+        if name in state:
+            closed[name] = (state[name].dims, state[name].values / share[:, None])
+    water = float(state.attrs["unclaimed_water"]) + float((area - left).sum())
+    closed.attrs = {**state.attrs, "unclaimed_water": water}
+    before = element_arrays(state, minimum_thickness)
+    after = element_arrays(closed, minimum_thickness)
+    return _shift_contacts(closed, before, after)
+
+
+def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
+    """Contact stiffness over the contact modulus, m: h_i h_j / (h_i + h_j)."""
+    a, b = elements["thickness"][lo], elements["thickness"][hi]
+    return np.asarray(a * b / (a + b))
+
+
+def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:
+    """Let contacts keep their elastic forces; those that are open and apart are forgotten."""
+    ids = before["id"]
+    lo, hi = (element_rows(ids, state[f"contact_id_{end}"].values) for end in ("lo", "hi"))
+    distance = np.hypot(before["x"][hi] - before["x"][lo], before["y"][hi] - before["y"][lo])
+    overlap, now = (r[lo] + r[hi] - distance for r in (before["radius"], after["radius"]))
+    elastic = overlap - state["contact_rest_overlap"].values
+    # Thicker ice is stiffer: less overlap holds the same force. A gap stays as wide as it is.
+    softer = contact_share(before, lo, hi) / contact_share(after, lo, hi)
+    elastic = np.where(elastic > 0, elastic * softer, elastic)
+    shifted = state.assign(
+        contact_rest_overlap=("contact", now - elastic),
+        contact_slip=("contact", state["contact_slip"].values * softer),
+    )
+    return shifted.isel(contact=np.flatnonzero((elastic > 0) | (now > 0)))
