@@ -23,7 +23,9 @@ from floeflow.errors import FloeError
 
 RADIUS, THICKNESS, DENSITY = 1000.0, 1.0, 917.0  # m, m, kg/m3
 SPACING = 0.9995  # distance of neighbours over the diameter
-SHEAR, COMPRESSION = 2.0e-6, 5.0e-6  # 1/s; compression in both directions
+# 1/s, compression in both directions, for a raft of this many columns; a wider one is deformed more
+# slowly, so that its rim is as fast and its neighbour lists last as long.
+SHEAR, COMPRESSION, COLUMNS = 2.0e-6, 5.0e-6, 125
 STEP, SKIN = 0.2, 100.0  # s, m
 # Strong enough to stay whole, weak enough that the neighbour lists hold the bonded pairs alone.
 STRENGTH = 1.0e7  # Pa
@@ -32,7 +34,7 @@ BONDED_RATE = 0.02
 
 
 def raft(columns: int, rows: int, rate: float = 1.0) -> Arrays:
-    """Discs in a lattice, sheared and compressed at `rate` times the usual rates.
+    """Discs in a lattice, sheared and compressed at `rate` times the usual speeds.
 
     Returns
     -------
@@ -44,6 +46,7 @@ def raft(columns: int, rows: int, rate: float = 1.0) -> Arrays:
     spacing = 2.0 * RADIUS * SPACING
     x = spacing * (i + 0.5 * (j % 2)).ravel()
     y = spacing * math.sqrt(0.75) * j.ravel()
+    rate *= COLUMNS / columns
     across, height = x - x.mean(), y - y.mean()
     area = math.pi * RADIUS**2
     return {
