@@ -69,7 +69,9 @@ def columns(season: str, count: int, seed: int, p: Physics) -> LayeredState:
     )
     area = 0.95 * rng.dirichlet(np.full(CATEGORIES, 3.0), count)
     salinity = salinity_profile(7, p)
-    layer = [ice_enthalpy(-8.0 + k, -p.melting_slope * s, p) for k, s in enumerate(salinity)]
+    layer = [
+        ice_enthalpy.py_func(-8.0 + k, -p.melting_slope * s, p) for k, s in enumerate(salinity)
+    ]
     state = LayeredState(
         ice_fraction=area,
         ice_volume=area * thickness,
@@ -77,6 +79,7 @@ def columns(season: str, count: int, seed: int, p: Physics) -> LayeredState:
         surface_temperature=np.full(shape, -10.0),
         ice_enthalpy=np.broadcast_to(layer, (*shape, 7)).copy(),
         snow_enthalpy=np.full((*shape, 1), -p.snow_density * (p.fusion + 10.0 * p.heat_ice)),
+        ice_salinity=np.broadcast_to(salinity, (*shape, 7)).copy(),
         sea_temperature=np.full(count, -1.8),
         pending_freeze=np.zeros(count),
     )

@@ -186,6 +186,7 @@ def shift(c, s):
         s.warmth[n] = c.area[n] * c.surface[n]
         for k in range(c.ice_enthalpy.shape[1]):
             s.ice_energy[n, k] = c.ice_enthalpy[n, k] * c.ice[n]
+            s.salt[n, k] = c.salinity[n, k] * c.ice[n]
         for k in range(c.snow_enthalpy.shape[1]):
             s.snow_energy[n, k] = c.snow_enthalpy[n, k] * c.snow[n]
     for n in range(1, last):
@@ -199,6 +200,7 @@ def shift(c, s):
         c.surface[n] = s.warmth[n] / c.area[n]
         for k in range(c.ice_enthalpy.shape[1]):
             c.ice_enthalpy[n, k] = s.ice_energy[n, k] / c.ice[n]
+            c.salinity[n, k] = s.salt[n, k] / c.ice[n]
         for k in range(c.snow_enthalpy.shape[1]):
             if c.snow[n] > 0.0:
                 c.snow_enthalpy[n, k] = s.snow_energy[n, k] / c.snow[n]
@@ -220,6 +222,9 @@ def hand_over(c, s, donor, taker, area, volume):
         energy = c.ice_enthalpy[donor, k] * volume
         s.ice_energy[donor, k] -= energy
         s.ice_energy[taker, k] += energy
+        salt = c.salinity[donor, k] * volume
+        s.salt[donor, k] -= salt
+        s.salt[taker, k] += salt
     for k in range(c.snow_enthalpy.shape[1]):
         energy = c.snow_enthalpy[donor, k] * snow
         s.snow_energy[donor, k] -= energy

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from floeflow.column.enthalpy import ice_enthalpy, snow_enthalpy
 from floeflow.column.layers import even_out, flood
+from floeflow.column.mush import liquid_fraction, melted_enthalpy, mush_enthalpy
 from floeflow.column.physics import TINY, jit
 
 
@@ -50,7 +51,7 @@ class Change(NamedTuple):
 
 
 @jit
-def change_thickness(w, first, found, ocean, bottom, snowfall, dt, p):
+def change_thickness(w, first, found, ocean, bottom, sea_salinity, snowfall, dt, p):
     """Advance the thicknesses by the fluxes of a temperature solve.
 
     Parameters
@@ -65,6 +66,8 @@ def change_thickness(w, first, found, ocean, bottom, snowfall, dt, p):
         Heat from the ocean into the bottom (W/m2, not negative).
     bottom : float
         Temperature of the bottom (degC).
+    sea_salinity : float
+        1e-3, for mush.
     snowfall : float
         kg/m2/s.
     dt : float
@@ -77,16 +80,23 @@ def change_thickness(w, first, found, ocean, bottom, snowfall, dt, p):
     Change
     """
     z = w.thickness.size
+    for k in range(first, z):
+        w.water[k] = melted_enthalpy(w.salt[k], p) if p.mushy else 0.0
     vapour = -found.latent * dt
+    hoar_enthalpy = w.enthalpy[first]
     hoar_ice, hoar_snow = settle_hoar(w, first, max(-vapour, 0.0), p)
     base = (found.bottom + ocean) * dt
-    growth = freeze_on(w, max(-base, 0.0), bottom, p)
+    growth, brought = freeze_on(w, max(-base, 0.0), bottom, sea_salinity, p)
+    # Energy of what the ice loses to the sea beside its own melting: brine, and water of the mush.
+    washed = -brought - hoar_ice * (hoar_enthalpy - min(hoar_enthalpy - w.water[first], 0.0))
     leaving, heat = max(vapour, 0.0), max((found.net - found.top) * dt, 0.0)
     gone_snow = gone_ice = melt_snow = melt_top = melt_bottom = 0.0
     for k in range(z):
         density = p.snow_density if k < first else p.ice_density
-        taken, leaving = remove(w, k, leaving, w.enthalpy[k] - density * p.vapour)
-        melted, heat = remove(w, k, heat, w.enthalpy[k])
+        bound = min(w.enthalpy[k] - w.water[k], 0.0)
+        taken, leaving = remove(w, k, leaving, bound - density * p.vapour)
+        melted, heat = remove(w, k, heat, bound)
+        washed += taken * (w.enthalpy[k] - bound) + melted * (w.enthalpy[k] - bound)
         if k < first:
             gone_snow += taken
             melt_snow += melted
@@ -95,12 +105,14 @@ def change_thickness(w, first, found, ocean, bottom, snowfall, dt, p):
             melt_top += melted
     below = max(base, 0.0)
     for k in range(z - 1, -1, -1):
-        melted, below = remove(w, k, below, w.enthalpy[k])
+        bound = min(w.enthalpy[k] - w.water[k], 0.0)
+        melted, below = remove(w, k, below, bound)
+        washed += melted * (w.enthalpy[k] - bound)
         if k < first:
             melt_snow += melted
         else:
             melt_bottom += melted
-    spare = leaving + heat + below
+    spare = leaving + heat + below + washed
     fallen = snow_on(w, first, snowfall * dt / p.snow_density, p)
     ice, snow, snow_ice, drowned, cost = settle(w, first, p)
     return Change(
@@ -111,8 +123,11 @@ def change_thickness(w, first, found, ocean, bottom, snowfall, dt, p):
 
 @jit
 def remove(w, k, energy, enthalpy):
-    """Take from layer k what energy (J/m2) removes at an enthalpy (J/m3); thickness and rest."""
-    if energy <= 0.0 or w.thickness[k] <= 0.0:
+    """Take from layer k what energy (J/m2) removes at an enthalpy (J/m3); thickness and rest.
+
+    A layer without ice to melt (mush all of brine) goes whole.
+    """
+    if w.thickness[k] <= 0.0 or (energy <= 0.0 and enthalpy < 0.0):
         return 0.0, energy
     if enthalpy >= 0.0 or energy >= -w.thickness[k] * enthalpy:
         taken = w.thickness[k]
@@ -133,30 +148,41 @@ def settle_hoar(w, first, energy, p):
         gain = energy / (p.snow_density * p.vapour - w.enthalpy[0])
         w.thickness[0] += gain
         return 0.0, gain
-    gain = energy / (p.ice_density * p.vapour - w.enthalpy[first])
+    bound = min(w.enthalpy[first] - w.water[first], 0.0)
+    gain = energy / (p.ice_density * p.vapour - bound)
     w.thickness[first] += gain
     return gain, 0.0
 
 
 @jit
-def freeze_on(w, energy, bottom, p):
-    """Grow ice at the bottom with an energy (J/m2); thickness gained (theory, eq. 16).
+def freeze_on(w, energy, bottom, sea_salinity, p):
+    """Grow ice at the bottom with an energy (J/m2); thickness gained, energy brought with water.
 
-    New ice has the salinity of the lowest layer and the temperature of the water, but at least half
-    the enthalpy of fresh ice, in case these are close.
+    Theory, eq. 16: new ice has the salinity of the lowest layer and the temperature of the water,
+    but at least half the enthalpy of fresh ice, in case these are close. New mush has the sea's
+    salinity and temperature; a part of it must freeze, the rest comes as it is (Turner et al. 2013;
+    theory of the mushy column, eq. 13).
     """
     if energy <= 0.0:
-        return 0.0
+        return 0.0, 0.0
     last = w.thickness.size - 1
-    melting = w.melting[last]
-    freezes = bottom < melting or melting == 0.0
-    new = ice_enthalpy(bottom, melting, p) if freezes else 0.0
-    new = min(new, -0.5 * p.ice_density * p.fusion)
-    gain = -energy / new
+    if p.mushy:
+        new = mush_enthalpy(bottom, liquid_fraction(bottom, sea_salinity), p)
+        frozen = -p.fusion * p.ice_density * (1.0 - p.bottom_liquid)
+    else:
+        melting = w.melting[last]
+        freezes = bottom < melting or melting == 0.0
+        new = ice_enthalpy(bottom, melting, p) if freezes else 0.0
+        new = min(new, -0.5 * p.ice_density * p.fusion)
+        frozen = new
+    gain = -energy / frozen
     total = w.thickness[last] + gain
     w.enthalpy[last] = (w.thickness[last] * w.enthalpy[last] + gain * new) / total
+    if p.mushy:
+        w.salt[last] = (w.thickness[last] * w.salt[last] + gain * sea_salinity) / total
+        w.water[last] = melted_enthalpy(w.salt[last], p)
     w.thickness[last] = total
-    return gain
+    return gain, gain * (new - frozen)
 
 
 @jit
@@ -180,14 +206,16 @@ def settle(w, first, p):
             snow += w.thickness[k]
         else:
             ice += w.thickness[k]
-    if ice <= 0.0:
-        energy = 0.0
+    energy = drowned = snow_ice = 0.0
+    if ice <= 0.0 or (p.mushy and snow <= TINY):
         for k in range(first):
             energy += w.thickness[k] * w.enthalpy[k]
-        w.thickness[:] = 0.0
-        w.enthalpy[:] = 0.0
-        return 0.0, 0.0, 0.0, snow, energy
-    snow_ice = flood(w, first, ice, snow, p)
-    snow = even_out(w, 0, first)
-    ice = even_out(w, first, w.thickness.size)
-    return ice, snow, snow_ice, 0.0, 0.0
+            w.thickness[k] = 0.0
+        snow, drowned = 0.0, snow
+    if ice <= 0.0:
+        return 0.0, 0.0, 0.0, drowned, energy
+    if not p.mushy:
+        snow_ice = flood(w, first, ice, snow, p)
+    snow = even_out(w, 0, first, False)
+    ice = even_out(w, first, w.thickness.size, p.mushy)
+    return ice, snow, snow_ice, drowned, energy

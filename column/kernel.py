@@ -21,6 +21,8 @@ from floeflow.column.bl99 import solve_temperatures
 from floeflow.column.boundary_layer import Air, transfer
 from floeflow.column.categories import remap
 from floeflow.column.growth import change_thickness
+from floeflow.column.layers import flood_mush
+from floeflow.column.mushy import solve_mush
 from floeflow.column.new_ice import freeze_leads
 from floeflow.column.ocean import freezing_temperature, heat_to_ice, limit, mix
 from floeflow.column.physics import TINY, jit
@@ -39,13 +41,23 @@ def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
     area = c.area[n]
     ice, snow = c.ice[n] / area, c.snow[n] / area
     first = c.snow_enthalpy.shape[1]
-    fill(w, ice, snow, c.ice_enthalpy[n], c.snow_enthalpy[n], p)
+    fill(w, ice, snow, c.ice_enthalpy[n], c.snow_enthalpy[n], c.salinity[n], p)
     light, through = absorb(
         ice, snow, c.surface[n], f[r.VISIBLE], f[r.INFRARED], w.source, first, p
     )
     exchange = transfer(c.surface[n], air, False, p)
-    found = solve_temperatures(w, first, c.surface[n], freezing, light, air, exchange, dt, p)
-    change = change_thickness(w, first, found, ocean, freezing, f[r.SNOWFALL], dt, p)
+    flooded = carried = 0.0
+    if p.mushy:
+        found, advected = solve_mush(
+            w, first, c.surface[n], freezing, light, air, exchange, f[r.SEA_SALINITY], dt, p
+        )
+        flooded, water = flood_mush(w, first, freezing, f[r.SEA_SALINITY], p)
+        carried = advected * dt - water
+    else:
+        found = solve_temperatures(w, first, c.surface[n], freezing, light, air, exchange, dt, p)
+    change = change_thickness(
+        w, first, found, ocean, freezing, f[r.SEA_SALINITY], f[r.SNOWFALL], dt, p
+    )
 
     inside = 0.0
     for k in range(w.source.size):
@@ -57,7 +69,9 @@ def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
     sums[r.VAPOUR_ICE] += area * vapour
     sums[r.SNOWFALL_SUM] += area * change.snowfall
     sums[r.GROWTH] += area * change.growth
-    sums[r.SNOW_ICE] += area * change.snow_ice
+    sums[r.SNOW_ICE] += area * (change.snow_ice + flooded)
+    drowned = change.snow_ice * p.ice_density / p.snow_density + flooded
+    sums[r.FLOODED_SNOW] += area * drowned
     sums[r.MELT_TOP] += area * change.melt_top
     sums[r.MELT_BOTTOM] += area * change.melt_bottom
     sums[r.SUBLIMATION_ICE] += area * change.sublimation_ice
@@ -76,8 +90,9 @@ def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
             c.snow_enthalpy[n, k] = w.enthalpy[k]
         for k in range(first, w.enthalpy.size):
             c.ice_enthalpy[n, k - first] = w.enthalpy[k]
+            c.salinity[n, k - first] = w.salt[k]
     # What the sea gets: what found nothing to melt, less what it gave.
-    return area * (change.spare - ocean * dt), area * through * dt
+    return area * (change.spare + carried - ocean * dt), area * through * dt
 
 
 @jit
@@ -127,7 +142,7 @@ def step_column(c, sea, pending, w, s, f, bounds, sums, dt, p):
             light += through
     if c.area.size > 1:
         remap(c, s.before, bounds, s, p)
-    freeze_leads(c, max(pending, 0.0), freezing, bounds, sums, p)
+    freeze_leads(c, s, max(pending, 0.0), freezing, f[r.SEA_SALINITY], w, bounds, sums, p)
     heat -= melt_sides(c, side, sums)
     if c.area.size == 1:
         open_area(c, s.before[0], bounds[0])
@@ -151,12 +166,15 @@ def step_column(c, sea, pending, w, s, f, bounds, sums, dt, p):
 
 @jit
 def step_some(
-    begin, end, area, ice, snow, surface, ice_enthalpy, snow_enthalpy, sea,
-    pending, w, s, forcing, bounds, sums, dt, p,
+    begin, end, area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea,
+    pending, w, s, forcing, bounds, sums, dt, constants,
 ):  # fmt: skip
     """Take elements begin to end - 1 through all steps, one element after the other."""
+    p = constants[0]
     for e in range(begin, end):
-        c = Column(area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e])
+        c = Column(
+            area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e], salinity[e]
+        )
         for step in range(forcing.shape[0]):
             sea[e], pending[e] = step_column(
                 c, sea[e], pending[e], w, s, forcing[step, e], bounds, sums[e], dt, p
@@ -166,18 +184,18 @@ def step_some(
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, parallel=True, error_model="numpy")
     def advance(
-        area, ice, snow, surface, ice_enthalpy, snow_enthalpy, sea, pending,
-        forcing, salinity, bounds, sums, dt, p, chunk,
+        area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea, pending,
+        forcing, profile, bounds, sums, dt, constants, chunk,
     ):  # fmt: skip
         digest  # noqa: B018  (part of the key under which Numba caches)
         count = area.shape[0]
         for part in numba.prange((count + chunk - 1) // chunk):
-            w = new_profile(salinity, snow_enthalpy.shape[2], p)
+            w = new_profile(profile, snow_enthalpy.shape[2], constants)
             s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
             last = min((part + 1) * chunk, count)
             step_some(
-                part * chunk, last, area, ice, snow, surface, ice_enthalpy, snow_enthalpy, sea,
-                pending, w, s, forcing, bounds, sums, dt, p,
+                part * chunk, last, area, ice, snow, surface, ice_enthalpy, snow_enthalpy,
+                salinity, sea, pending, w, s, forcing, bounds, sums, dt, constants,
             )  # fmt: skip
 
     return advance

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The layered column for Python: state, forcing and one or more steps of all elements.
 
-Thermodynamics of Bitz and Lipscomb (1999) in one or more thickness categories on a slab ocean. All
+Thermodynamics of Bitz and Lipscomb (1999) or of mush (Turner et al. 2013), `Physics.mushy` says
+which, in one or more thickness categories on a slab ocean. All
 amounts are per square metre of the element's effective area, so that a slice of elements is a
 problem of its own and gives the same bits as the whole.
 """
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from floeflow.column.enthalpy import salinity_profile
 from floeflow.column.kernel import advance
-from floeflow.column.physics import Physics
+from floeflow.column.physics import Physics, as_records
 from floeflow.column.records import FORCING, SUMS, Array
 from floeflow.errors import FloeError
 
@@ -37,6 +38,8 @@ class LayeredState:
         Of ice or snow (degC), (n, ncat).
     ice_enthalpy, snow_enthalpy : ndarray
         Of equally thick layers, top first (J/m3), (n, ncat, layers).
+    ice_salinity : ndarray
+        Of the same layers (1e-3), (n, ncat, layers); Bitz-Lipscomb ice sets it to its profile.
     sea_temperature : ndarray
         Of the mixed layer (degC), (n,).
     pending_freeze : ndarray
@@ -49,6 +52,7 @@ class LayeredState:
     surface_temperature: Array
     ice_enthalpy: Array
     snow_enthalpy: Array
+    ice_salinity: Array
     sea_temperature: Array
     pending_freeze: Array
 
@@ -137,7 +141,7 @@ def step(
         bounds,
         sums,
         float(dt),
-        p,
+        as_records(p),
         CHUNK,
     )
     return after, {name: sums[:, k].copy() for k, name in enumerate(SUMS)}
@@ -180,7 +184,7 @@ def sea_residual(
 
 
 def water_residual(
-    before: LayeredState, after: LayeredState, sums: dict[str, Array], p: Physics
+    before: LayeredState, after: LayeredState, sums: dict[str, Array]
 ) -> tuple[Array, Array]:
     """Change of ice and of snow volume that the terms do not explain (m), (n,) each."""
     ice = after.ice_volume.sum(axis=1) - before.ice_volume.sum(axis=1)
@@ -189,5 +193,5 @@ def water_residual(
         ice = ice + sums[name]
     snow = after.snow_volume.sum(axis=1) - before.snow_volume.sum(axis=1)
     snow = snow - sums["snowfall"] + sums["melt_snow"] + sums["sublimation_snow"]
-    snow = snow + sums["snow_ice"] * p.ice_density / p.snow_density
+    snow = snow + sums["flooded_snow"]
     return np.asarray(ice), np.asarray(snow)

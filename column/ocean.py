@@ -11,12 +11,15 @@ from __future__ import annotations
 import math
 
 from floeflow.column.boundary_layer import sea_balance
+from floeflow.column.mush import liquidus
 from floeflow.column.physics import TINY, jit
 
 
 @jit
 def freezing_temperature(salinity, p):
-    """Freezing point of sea water (degC)."""
+    """Freezing point of sea water (degC): the liquidus of brine for mush, else a straight line."""
+    if p.mushy:
+        return liquidus(salinity)
     return -p.melting_slope * salinity
 
 

@@ -12,15 +12,16 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numba
+import numpy as np
 
-_UNCOUNTED: dict[str, Any] = {"_nrt": False}
-jit: Any = numba.njit(error_model="numpy", nogil=True, **_UNCOUNTED)
-"""Compile a small function that compiled functions call; what Python calls is in kernel.py.
-
-Without counting references to arrays (`_nrt`), which takes half the time otherwise: such functions
-can view arrays but not make any, for which there is `jit_making`.
+_LEAN: dict[str, Any] = {"_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+jit: Any = numba.njit(error_model="numpy", nogil=True, **_LEAN)
+"""Compile a small function that only compiled functions call; what Python calls is in kernel.py.
 
 Their arguments carry no types: Numba finds them, and mypy is told not to ask in those files.
+Without counting references to arrays (`_nrt`), which takes half the time otherwise: they can view
+arrays but not make any, for which there is `jit_making`. Without wrappers for Python, which take a
+third of the compilation.
 """
 
 jit_making: Any = numba.njit(error_model="numpy", nogil=True)
@@ -43,6 +44,8 @@ class Physics(NamedTuple):
         Latent heat of fusion and of vaporisation (J/kg); sublimation takes their sum.
     melting_slope : float
         Freezing point depression (K per 1e-3 of salinity).
+    mushy : bool
+        Mushy layers with salt of their own (Turner et al. 2013), else Bitz and Lipscomb (1999).
     bubbly : bool
         Conductivity of Pringle et al. (2007), else of Maykut and Untersteiner (1971).
     fresh_conductivity, snow_conductivity : float
@@ -55,8 +58,6 @@ class Physics(NamedTuple):
         Snow thinner than this (m) neither conducts nor changes its temperature.
     top_salinity_floor, bottom_salinity : float
         Of the fixed salinity profile (1e-3).
-    reference_salinity : float
-        Of the ice in exchanges of salt with the ocean (1e-3).
     emissivity, stefan_boltzmann : float
         Of ice and snow; W/m2/K4.
     heat_air, heat_vapour : float
@@ -97,6 +98,18 @@ class Physics(NamedTuple):
         Freezing or melting potential that a step may use (W/m2).
     new_ice_thickness, least_thickness : float
         Of new ice in open water; of the thinnest category's ice (m).
+    mush_ice_conductivity, mush_brine_conductivity : float
+        Of a mush without and of nothing but brine (W/m/K).
+    viscosity, diffusivity : float
+        Of brine (kg/m/s) and its diffusivity of heat (m2/s).
+    channel_radius, critical_rayleigh, channel_aspect : float
+        Of rapid gravity drainage (m, 1, 1); Turner et al. (2013).
+    slow_drainage, slow_liquid : float
+        Rate of slow drainage (m/s/K, negative) and the liquid fraction that it leaves.
+    bottom_liquid : float
+        Liquid fraction of new ice at the bottom.
+    frazil_liquid, frazil_freshening, warmest_frazil : float
+        Liquid fraction of new ice in open water, its salinity below the sea's (1e-3), degC.
     surface_tolerance, flux_tolerance : float
         Of the iteration: K, W/m2.
     iterations : int
@@ -111,6 +124,7 @@ class Physics(NamedTuple):
     fusion: float = 334000.0
     vapour: float = 2.501e6
     melting_slope: float = 0.054
+    mushy: bool = False
     bubbly: bool = True
     fresh_conductivity: float = 2.03
     snow_conductivity: float = 0.3
@@ -119,7 +133,6 @@ class Physics(NamedTuple):
     least_snow: float = 1e-4
     top_salinity_floor: float = 0.1
     bottom_salinity: float = 3.2
-    reference_salinity: float = 4.0
     emissivity: float = 0.985
     stefan_boltzmann: float = 5.67e-8
     heat_air: float = 1005.0
@@ -159,6 +172,31 @@ class Physics(NamedTuple):
     largest_potential: float = 1000.0
     new_ice_thickness: float = 0.05
     least_thickness: float = 0.01
+    mush_ice_conductivity: float = 2.3
+    mush_brine_conductivity: float = 0.5375
+    viscosity: float = 1.79e-3
+    diffusivity: float = 8.824e-8
+    channel_radius: float = 5e-4
+    critical_rayleigh: float = 10.0
+    channel_aspect: float = 1.0
+    slow_drainage: float = -5e-8
+    slow_liquid: float = 0.05
+    bottom_liquid: float = 0.85
+    frazil_liquid: float = 0.75
+    frazil_freshening: float = 3.0
+    warmest_frazil: float = -0.1
     surface_tolerance: float = 5e-4
     flux_tolerance: float = 9e-4
     iterations: int = 30
+
+
+def as_records(p: Physics) -> Any:
+    """Return the constants as a NumPy array of one record.
+
+    Compiled functions take its address, where of the tuple they would pass all numbers in every
+    call: that compiles much faster.
+    """
+    kinds = {float: "f8", int: "i8", bool: "?"}
+    defaults = Physics._field_defaults
+    dtype = np.dtype([(name, kinds[type(defaults[name])]) for name in p._fields], align=True)
+    return np.array([tuple(p)], dtype)

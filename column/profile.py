@@ -19,6 +19,7 @@ from floeflow.column.enthalpy import (
     snow_enthalpy,
     snow_temperature,
 )
+from floeflow.column.mush import mush_conductivity, mush_temperature
 from floeflow.column.physics import jit, jit_making
 
 Array = NDArray[np.float64]
@@ -43,6 +44,10 @@ class Profile(NamedTuple):
         The tridiagonal system, (z + 1,).
     edges : ndarray
         Scratch, (z + 1,).
+    water : ndarray
+        Enthalpy (J/m3) of what is left when the ice of a layer melts; zero but in mush, (z,).
+    liquid, flow, drain : ndarray
+        Of mush: share of brine, upward exchange (m/s), slow drainage (1e-3/s), (z,).
     """
 
     salt: Array
@@ -60,17 +65,21 @@ class Profile(NamedTuple):
     right: Array
     solution: Array
     edges: Array
+    water: Array
+    liquid: Array
+    flow: Array
+    drain: Array
 
 
 @jit_making
-def new_profile(salinity, snow_layers, p):
+def new_profile(salinity, snow_layers, constants):
     """Scratch for ice of a salinity profile (1e-3, top first) under some snow layers."""
     z = salinity.size + snow_layers
     salt = np.zeros(z)
     salt[snow_layers:] = salinity
     return Profile(
         salt,
-        -p.melting_slope * salt,
+        -constants[0].melting_slope * salt,
         np.zeros(z),
         np.zeros(z),
         np.zeros(z),
@@ -84,12 +93,16 @@ def new_profile(salinity, snow_layers, p):
         np.zeros(z + 1),
         np.zeros(z + 1),
         np.zeros(z + 1),
+        np.zeros(z),
+        np.zeros(z),
+        np.zeros(z),
+        np.zeros(z),
     )
 
 
 @jit
-def fill(w, ice, snow, ice_enthalpies, snow_enthalpies, p):
-    """Take thicknesses (m) and enthalpies (J/m3) of a category into the profile."""
+def fill(w, ice, snow, ice_enthalpies, snow_enthalpies, salinities, p):
+    """Take thicknesses (m), enthalpies (J/m3) and of mush salinities into the profile."""
     first = snow_enthalpies.size
     for k in range(w.thickness.size):
         if k < first:
@@ -99,7 +112,11 @@ def fill(w, ice, snow, ice_enthalpies, snow_enthalpies, p):
         else:
             w.thickness[k] = ice / ice_enthalpies.size
             w.enthalpy[k] = ice_enthalpies[k - first]
-            w.temperature[k] = ice_temperature(w.enthalpy[k], w.melting[k], p)
+            if p.mushy:
+                w.salt[k] = salinities[k - first]
+                w.temperature[k] = mush_temperature(w.enthalpy[k], w.salt[k], p)
+            else:
+                w.temperature[k] = ice_temperature(w.enthalpy[k], w.melting[k], p)
         w.first_enthalpy[k] = w.enthalpy[k]
         w.first_temperature[k] = w.temperature[k]
 
@@ -117,6 +134,8 @@ def conductances(w, top, first, p):
     for k in range(top, z):
         if k < first:
             conductivity = p.snow_conductivity
+        elif p.mushy:
+            conductivity = mush_conductivity(w.first_temperature[k], w.salt[k], p)
         else:
             conductivity = ice_conductivity(w.first_temperature[k], w.salt[k], p)
         half = 0.5 * w.thickness[k] / conductivity

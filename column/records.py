@@ -58,7 +58,8 @@ SUMS = (
     "vapour_sea",  # leaving (kg/m2)
     "snowfall",  # on ice (m of snow)
     "growth",  # at the bottom (m)
-    "snow_ice",  # m of ice
+    "snow_ice",  # made of flooded snow (m of ice)
+    "flooded_snow",  # of which it was made (m of snow)
     "melt_top",  # m
     "melt_bottom",  # m
     "melt_lateral",  # m
@@ -84,6 +85,7 @@ SUMS = (
     SNOWFALL_SUM,
     GROWTH,
     SNOW_ICE,
+    FLOODED_SNOW,
     MELT_TOP,
     MELT_BOTTOM,
     MELT_LATERAL,
@@ -105,8 +107,8 @@ class Column(NamedTuple):
     ----------
     area, ice, snow, surface : ndarray
         Fraction, m, m, degC, (ncat,).
-    ice_enthalpy, snow_enthalpy : ndarray
-        J/m3, (ncat, layers).
+    ice_enthalpy, snow_enthalpy, salinity : ndarray
+        J/m3, J/m3, 1e-3 of ice, (ncat, layers).
     """
 
     area: Array
@@ -115,6 +117,7 @@ class Column(NamedTuple):
     surface: Array
     ice_enthalpy: Array
     snow_enthalpy: Array
+    salinity: Array
 
 
 class Scratch(NamedTuple):
@@ -130,8 +133,8 @@ class Scratch(NamedTuple):
         Area and snow before a shift; thickness at the step's start.
     warmth, touched : ndarray
         Area times surface temperature; 1 where a shift took part.
-    ice_energy, snow_energy : ndarray
-        Volume times enthalpy, (ncat, layers).
+    ice_energy, snow_energy, salt : ndarray
+        Volume times enthalpy and salinity, (ncat, layers).
     """
 
     moved: Array
@@ -144,6 +147,7 @@ class Scratch(NamedTuple):
     touched: Array
     ice_energy: Array
     snow_energy: Array
+    salt: Array
 
 
 @jit_making
@@ -160,6 +164,7 @@ def new_scratch(categories, ice_layers, snow_layers):
         np.zeros(categories),
         np.zeros((categories, ice_layers)),
         np.zeros((categories, snow_layers)),
+        np.zeros((categories, ice_layers)),
     )
 
 

@@ -64,6 +64,8 @@ def merge(c, n, into):
     for k in range(c.ice_enthalpy.shape[1]):
         energy = c.ice_enthalpy[n, k] * c.ice[n] + c.ice_enthalpy[into, k] * c.ice[into]
         c.ice_enthalpy[into, k] = energy / ice
+        salt = c.salinity[n, k] * c.ice[n] + c.salinity[into, k] * c.ice[into]
+        c.salinity[into, k] = salt / ice
     if snow > 0.0:
         for k in range(c.snow_enthalpy.shape[1]):
             energy = c.snow_enthalpy[n, k] * c.snow[n] + c.snow_enthalpy[into, k] * c.snow[into]
@@ -78,6 +80,7 @@ def empty(c, n, temperature):
     c.area[n] = c.ice[n] = c.snow[n] = 0.0
     c.surface[n] = temperature
     c.ice_enthalpy[n, :] = 0.0
+    c.salinity[n, :] = 0.0
     c.snow_enthalpy[n, :] = 0.0
 
 

@@ -14,7 +14,7 @@ from floeflow.column.records import Array
 
 DT = 3600.0  # s
 YEAR = 365  # days
-STATE = ("aicen", "vicen", "vsnon", "Tsfc", "qice", "qsno")
+STATE = ("aicen", "vicen", "vsnon", "Tsfc", "qice", "qsno", "sice")
 
 
 def open_case(shared: Path, case: str, file: str) -> xr.Dataset:
@@ -22,9 +22,9 @@ def open_case(shared: Path, case: str, file: str) -> xr.Dataset:
     return xr.open_dataset(shared / "reference/icepack" / case / file)
 
 
-def physics(categories: int) -> Physics:
+def physics(categories: int, mushy: bool = False) -> Physics:
     """Constants of the recorded cases."""
-    return Physics(least_thickness=0.1 if categories == 1 else 0.01)
+    return Physics(mushy=mushy, least_thickness=0.1 if categories == 1 else 0.01)
 
 
 def starts(data: xr.Dataset) -> LayeredState:

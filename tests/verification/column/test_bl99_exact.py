@@ -30,6 +30,7 @@ def ice(thickness: float, temperature: np.ndarray, p: Physics) -> LayeredState:
     one = np.ones((1, 1))
     return LayeredState(
         one, thickness * one, 0 * one, COLD * one, enthalpy[None, None, :], np.zeros((1, 1, 1)),
+        0.0 * enthalpy[None, None, :],
         np.zeros(1), np.zeros(1),
     )  # fmt: skip
 

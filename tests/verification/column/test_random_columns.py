@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Any column: bounded, finite, and energy and water conserved to round-off."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 from hypothesis import given, settings
@@ -19,6 +19,7 @@ from floeflow.column.layered import (
     take,
     water_residual,
 )
+from floeflow.column.mush import brine_salinity, liquidus
 from floeflow.column.physics import Physics
 
 P = Physics()
@@ -52,8 +53,31 @@ def draw_columns(seed: int, n: int, categories: int, melting: bool) -> LayeredSt
         surface_temperature=np.where(there, rng.uniform(-60.0, 0.0, shape), -1.8),
         ice_enthalpy=ice * there[..., None],
         snow_enthalpy=white * there[..., None],
+        ice_salinity=np.broadcast_to(salinity_profile(7, P), (*shape, 7)) * there[..., None],
         sea_temperature=np.where(freezes, -34.0 * P.melting_slope, rng.uniform(-1.836, 2.0, n)),
         pending_freeze=np.where(freezes, rng.uniform(0.0, 3.6e6, n), 0.0),
+    )
+
+
+def draw_mush(seed: int, n: int, categories: int, melting: bool) -> LayeredState:
+    """The same columns of mush, of 0.1 to 34 of salinity and -45 degC to its melting."""
+    state = draw_columns(seed, n, categories, False)
+    rng = np.random.default_rng(seed + 2)
+    salinity = 10 ** rng.uniform(-1.0, 1.53, state.ice_enthalpy.shape)
+    melts = np.vectorize(liquidus.py_func)(salinity)
+    below = 10 ** rng.uniform(-9.0, -2.0 if melting else 1.6, salinity.shape)
+    temperature = np.maximum(melts - below, -45.0)
+    brine = np.vectorize(brine_salinity.py_func)(temperature)
+    liquid = salinity / np.maximum(brine, salinity)
+    ice = liquid * P.heat_water * P.water_density * temperature
+    ice = ice + (1.0 - liquid) * P.ice_density * (P.heat_ice * temperature - P.fusion)
+    there = (state.ice_fraction > 0.0)[..., None]
+    freezing = liquidus.py_func(34.0)
+    return replace(
+        state,
+        ice_enthalpy=ice * there,
+        ice_salinity=salinity * there,
+        sea_temperature=np.maximum(state.sea_temperature + 1.836 + freezing, freezing),
     )
 
 
@@ -90,6 +114,7 @@ def sound(state: LayeredState) -> None:
     assert state.surface_temperature.max() <= 0.0
     assert state.surface_temperature.min() > -90.0
     assert (state.ice_enthalpy[there] < 0.0).all()
+    assert (state.ice_salinity[there] > 0.0).all() and (state.ice_salinity < 60.0).all()
     assert (state.ice_enthalpy > -5e8).all()
 
 
@@ -97,28 +122,31 @@ def sound(state: LayeredState) -> None:
 @given(
     seed=st.integers(0, 2**31),
     categories=st.sampled_from([1, 2, 5]),
+    mushy=st.booleans(),
     melting=st.booleans(),
     warm=st.booleans(),
     dt=st.sampled_from([60.0, 3600.0, 86400.0]),
 )
-def test_any_column(seed: int, categories: int, melting: bool, warm: bool, dt: float) -> None:
-    n = 200
-    before = draw_columns(seed, n, categories, melting)
+def test_any_column(
+    seed: int, categories: int, mushy: bool, melting: bool, warm: bool, dt: float
+) -> None:
+    n, p = 200, P._replace(mushy=mushy)
+    before = (draw_mush if mushy else draw_columns)(seed, n, categories, melting)
     forcing, bounds = draw_weather(seed, n, warm), category_bounds(categories)
-    after, sums = step(before, forcing, dt, bounds, P)
+    after, sums = step(before, forcing, dt, bounds, p)
     sound(after)
     most = np.maximum(np.abs(ice_energy(before)), np.abs(ice_energy(after)))
     allowed = np.maximum(1e-8 * dt, 1e-14 * most)
     assert (np.abs(ice_residual(before, after, sums)) <= allowed).all()
     sea = P.heat_water * P.water_density * DEPTH * 3.0  # J/m2, the most that it holds
-    assert (np.abs(sea_residual(before, after, sums, DEPTH, P)) <= 1e-8 * dt + 1e-15 * sea).all()
-    ice, snow = water_residual(before, after, sums, P)
+    assert (np.abs(sea_residual(before, after, sums, DEPTH, p)) <= 1e-8 * dt + 1e-15 * sea).all()
+    ice, snow = water_residual(before, after, sums)
     assert np.abs(ice).max() < 2e-14
     assert np.abs(snow).max() < 2e-15
     assert (sums["rescued"] <= sums["solves"]).all()
 
     part = slice(n // 3, n // 2)
-    alone, _ = step(take(before, part), forcing[:, part], dt, bounds, P)
+    alone, _ = step(take(before, part), forcing[:, part], dt, bounds, p)
     for field in fields(after):
         whole = getattr(after, field.name)[part]
         assert np.array_equal(getattr(alone, field.name), whole), field.name
