@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 
 Curves = dict[str, tuple[np.ndarray, np.ndarray]]
 
@@ -24,4 +26,20 @@ def curves(lines: Curves, points: Curves, x: str, y: str, scale: str = "linear")
     axes.set_ylabel(y)
     axes.legend(fontsize="small")
     axes.grid(alpha=0.3)
+    return figure
+
+
+def aggregates(elements: dict[str, np.ndarray], number: np.ndarray) -> Figure:
+    """Discs in the colours of the aggregates that they belong to."""
+    figure, axes = plt.subplots(figsize=(6.4, 6.4), layout="constrained")
+    discs = [
+        Circle((x / 1e3, y / 1e3), r / 1e3)
+        for x, y, r in zip(elements["x"], elements["y"], elements["radius"], strict=True)
+    ]
+    colours = np.random.default_rng(1).uniform(0.1, 0.9, (number.max() + 1, 3))
+    axes.add_collection(PatchCollection(discs, facecolor=colours[number]))
+    axes.autoscale_view()
+    axes.set_aspect("equal")
+    axes.set_xlabel("x (km)")
+    axes.set_ylabel("y (km)")
     return figure
