@@ -43,3 +43,17 @@ def aggregates(elements: dict[str, np.ndarray], number: np.ndarray) -> Figure:
     axes.set_xlabel("x (km)")
     axes.set_ylabel("y (km)")
     return figure
+
+
+def vortex(demsi: np.ndarray, ours: np.ndarray) -> Figure:
+    """Places of the ice in both models, side by side."""
+    figure, both = plt.subplots(1, 2, figsize=(9.0, 4.2), layout="constrained", sharey=True)
+    for axes, place, name in zip(both, (demsi, ours), ("DEMSI", "FloeFlow"), strict=True):
+        axes.plot(*(place.T / 1e3), ".", markersize=1.5)
+        axes.set_aspect("equal")
+        axes.set_xlim(0, 500)
+        axes.set_ylim(0, 500)
+        axes.set_title(name)
+        axes.set_xlabel("x (km)")
+    both[0].set_ylabel("y (km)")
+    return figure
