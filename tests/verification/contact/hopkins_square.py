@@ -66,11 +66,15 @@ def square(seed: int, side: float = SIDE) -> tuple[Arrays, Arrays]:
 
 
 def outward_wind(params: EngineParams, side: float = SIDE) -> Forcing:
-    """Wind whose stress grows by `GRADIENT` with the distance from the centre."""
+    """Wind whose stress grows with the distance from the centre, by `GRADIENT` where side is SIDE.
+
+    Stress in the ice goes with gradient times side squared: a smaller square gets a steeper wind.
+    """
+    gradient = GRADIENT * (SIDE / side) ** 2
     axis = np.linspace(-side, side, 161)
     x, y = np.meshgrid(axis, axis)
     r = np.hypot(x, y)
-    share = np.sqrt(GRADIENT / (params.wind_stress_factor * np.maximum(r, 1.0)))
+    share = np.sqrt(gradient / (params.wind_stress_factor * np.maximum(r, 1.0)))
     zero = np.zeros((1, *r.shape))
     fields = {"wind_u": (share * x)[None], "wind_v": (share * y)[None]}
     return Forcing(np.array([0.0]), axis, axis, fields | {"ocean_u": zero, "ocean_v": zero})
@@ -99,9 +103,9 @@ def exponent(sizes: np.ndarray, smallest: int) -> tuple[float, float, int]:
     return float(alpha), float((alpha - 1) / np.sqrt(len(tail))), len(tail)
 
 
-def main(out: Path, seed: int, start: Path | None) -> None:
-    """Write the state after 300 and after 1000 steps, or after 1000 from the state in `start`."""
-    elements, bonds = square(seed)
+def main(out: Path, side: float, start: Path | None) -> None:
+    """Write the state after 300 and after 1000 steps, or after 1000 from `start`."""
+    elements, bonds = square(1, side)
     params = stable(elements, bonds)
     state: list[Arrays | None] = [elements, bonds, None]
     kinds = ("element", "bond", "contact")
@@ -118,7 +122,7 @@ def main(out: Path, seed: int, start: Path | None) -> None:
     comm = MPI.COMM_WORLD
     with Engine(comm, params, out / f"log.{comm.size}") as engine:
         engine.load(*state, time=0.0 if start is None else CUT * params.time_step)
-        engine.set_forcing(outward_wind(params))
+        engine.set_forcing(outward_wind(params, side))
         done = 0 if start is None else CUT
         for step in (CUT, LAST) if start is None else (LAST,):
             engine.run(step - done)
@@ -134,4 +138,4 @@ def main(out: Path, seed: int, start: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]) if len(sys.argv) > 3 else None)
+    main(Path(sys.argv[1]), float(sys.argv[2]), Path(sys.argv[3]) if len(sys.argv) > 3 else None)

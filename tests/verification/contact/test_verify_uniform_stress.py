@@ -18,16 +18,19 @@ from floeflow.dynamics.bondtable import Arrays
 from floeflow.dynamics.engine import Engine
 from floeflow.mpi import mpi_environment
 
+SHORT = 200e3  # side of the square of the short forms, m
 SMALLEST = 3  # elements: aggregates from this size on enter the exponent
 
 
-def torn(log: Path, seed: int, seconds: float) -> tuple[Arrays, Arrays, np.ndarray, float]:
+def torn(
+    log: Path, seed: int, seconds: float, side: float = case.SIDE
+) -> tuple[Arrays, Arrays, np.ndarray, float]:
     """Elements, bonds and aggregate numbers at the end; share of bonds that broke."""
-    elements, bonds = case.square(seed)
+    elements, bonds = case.square(seed, side)
     params = case.stable(elements, bonds)
     with Engine(MPI.COMM_SELF, params, log) as engine:
         engine.load(elements, bonds)
-        engine.set_forcing(case.outward_wind(params))
+        engine.set_forcing(case.outward_wind(params, side))
         engine.run(round(seconds / params.time_step))
         out, held, sums = engine.elements(), engine.bonds(), engine.diagnostics()
     broken = sums["bonds_broken"] / len(bonds["id_lo"])
@@ -35,8 +38,8 @@ def torn(log: Path, seed: int, seconds: float) -> tuple[Arrays, Arrays, np.ndarr
 
 
 def test_the_square_holds_what_it_should() -> None:
-    elements, bonds = case.square(1)
-    assert elements["ice_area"].sum() == pytest.approx(case.SIDE**2, rel=1e-12)
+    elements, bonds = case.square(1, SHORT)
+    assert elements["ice_area"].sum() == pytest.approx(SHORT**2, rel=1e-12)
     assert elements["radius"].min() >= 3e3 and elements["radius"].max() <= 5e3
     assert case.aggregates(len(elements["id"]), bonds).max() == 0  # one piece
     # Known exponent: sizes drawn from a power law.
@@ -47,12 +50,12 @@ def test_the_square_holds_what_it_should() -> None:
 
 
 def test_it_fragments_into_aggregates(log: Path) -> None:
-    out, _, number, broken = torn(log, 1, 2000.0)
+    out, _, number, broken = torn(log, 1, 2000.0, SHORT)
     sizes = np.bincount(number)
     assert 0.1 < broken < 0.9
-    assert sizes.max() < 0.3 * len(number) and (sizes >= SMALLEST).sum() > 20
+    assert sizes.max() < 0.3 * len(number) and (sizes >= SMALLEST).sum() > 10
     _, error, count = case.exponent(sizes, SMALLEST)
-    assert count == (sizes >= SMALLEST).sum() and error < 0.3
+    assert count == (sizes >= SMALLEST).sum() and error < 0.5
     # The pieces move outward.
     assert (out["x"] * out["u"] + out["y"] * out["v"] > 0).mean() > 0.9
 
@@ -82,11 +85,11 @@ def test_exponent_of_aggregate_sizes_over_ten_seeds(log: Path, show) -> None:
 Result = dict[str, np.ndarray]
 
 
-def on_ranks(folder: Path, ranks: int, start: Path | None = None) -> dict[int, Result]:
-    folder.mkdir()
+def on_ranks(folder: Path, ranks: int, side: float, start: Path | None = None) -> dict[int, Result]:
+    folder.mkdir(parents=True)
     here = Path(__file__).parent
     command = ["mpirun", "-n", str(ranks), sys.executable, str(here / "hopkins_square.py")]
-    command += [str(folder), "1"] + ([str(start)] if start else [])
+    command += [str(folder), str(side)] + ([str(start)] if start else [])
     path = os.pathsep.join([str(here), os.environ.get("PYTHONPATH", "")])
     environment = mpi_environment() | {"PYTHONPATH": path}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
@@ -102,7 +105,7 @@ def on_ranks(folder: Path, ranks: int, start: Path | None = None) -> dict[int, R
 @pytest.fixture(scope="module")
 def ranks(tmp_path_factory: pytest.TempPathFactory) -> dict[int, dict[int, Result]]:
     folder = tmp_path_factory.mktemp("ranks")
-    return {n: on_ranks(folder / str(n), n) for n in (1, 2)}
+    return {n: on_ranks(folder / str(n), n, SHORT) for n in (1, 2)}
 
 
 def same_ice(one: Result, two: Result) -> None:
@@ -114,14 +117,15 @@ def same_ice(one: Result, two: Result) -> None:
         # may differ by, 4e-4 m, moves it by 1e-3 of the line.
         np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-3)
     for name in ("element.x", "element.y"):
-        np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-9 * case.SIDE)
+        scale = np.ptp(one[name])
+        np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-9 * scale)
 
 
 @pytest.mark.mpi
 def test_one_and_two_ranks_agree_over_1000_steps(ranks: dict[int, dict[int, Result]]) -> None:
     cut, last = (ranks[1][step] for step in (case.CUT, case.LAST))
     assert len(last["bond.id_lo"]) < 0.98 * len(cut["bond.id_lo"])  # cut in the midst of it
-    assert ((cut["bond.crack_a"] + cut["bond.crack_b"]) > 0).sum() > 100
+    assert ((cut["bond.crack_a"] + cut["bond.crack_b"]) > 0).sum() > 20
     for step in (case.CUT, case.LAST):
         same_ice(ranks[1][step], ranks[2][step])
 
@@ -132,18 +136,19 @@ def test_a_state_cut_in_the_midst_of_fracture_continues_on_two_ranks(
 ) -> None:
     state = tmp_path / "state.npz"
     np.savez(state, **ranks[1][case.CUT])
-    again = on_ranks(tmp_path / "again", 2, state)[case.LAST]
+    again = on_ranks(tmp_path / "again", 2, SHORT, state)[case.LAST]
     same_ice(ranks[1][case.LAST], again)
 
 
 @pytest.mark.mpi
 @pytest.mark.slow
-def test_four_ranks_agree_and_their_state_continues_on_one(
-    ranks: dict[int, dict[int, Result]], tmp_path: Path
-) -> None:
-    four = on_ranks(tmp_path / "4", 4)
-    for step in (case.CUT, case.LAST):
-        same_ice(ranks[1][step], four[step])
-    state = tmp_path / "state.npz"
-    np.savez(state, **four[case.CUT])
-    same_ice(ranks[1][case.LAST], on_ranks(tmp_path / "again", 1, state)[case.LAST])
+def test_the_whole_square_on_one_two_and_four_ranks(tmp_path: Path) -> None:
+    runs = {n: on_ranks(tmp_path / str(n), n, case.SIDE) for n in (1, 2, 4)}
+    for n in (2, 4):
+        for step in (case.CUT, case.LAST):
+            same_ice(runs[1][step], runs[n][step])
+    for before, after in ((1, 1), (1, 2), (4, 1)):
+        state = tmp_path / f"{before}.npz"
+        np.savez(state, **runs[before][case.CUT])
+        again = on_ranks(tmp_path / f"{before}.{after}", after, case.SIDE, state)
+        same_ice(runs[before][case.LAST], again[case.LAST])

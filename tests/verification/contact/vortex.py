@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The vortex of the reference data: unbonded ice in a box under a wind that turns (Flato 1993).
 
-Walls are rows of fixed elements so dense that they are flat to 0.4 m: bumps of 6 m hold the ice
-up by 0.2 km in the first hours. They end at 100 km, south of which no ice comes in a day. DEMSI's wind stress is
-rho C |u_a - u| u_a; ours here is rho C |u_a| u_a times 1 - x, with x the share of the wind's speed
-at which ice drifts freely, so that the two agree in free drift.
+Walls are rows of fixed elements so dense that they are flat to 0.4 m: bumps of 6 m move quadrant
+means by 0.2 km in the first hours. They end at 100 km, south of which no ice comes in a day.
+DEMSI's wind stress is rho C |u_a - u| u_a; ours here is rho C |u_a| u_a times 1 - x, with x the
+share of the wind's speed at which ice drifts freely, so that the two agree in free drift.
 """
 
 from __future__ import annotations
