@@ -17,8 +17,11 @@ def curves(lines: Curves, points: Curves, x: str, y: str, scale: str = "linear")
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     for name, (a, b) in lines.items():
         axes.plot(a, b, label=name)
+    # Rings first, so that what coincides is seen.
     for name, (a, b) in points.items():
-        axes.plot(a, b, ".", markersize=4, label=name)
+        ring = len(points) > 1 and name == next(iter(points))
+        look = {"marker": "o", "markersize": 7} if ring else {"marker": ".", "markersize": 4}
+        axes.plot(a, b, linestyle="", fillstyle="none" if ring else "full", label=name, **look)
     if scale == "log":
         axes.set_xscale("log")
         axes.set_yscale("log")
