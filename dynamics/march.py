@@ -129,7 +129,7 @@ def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
         forcing = on_root(comm, read_dataset, path)
         made_from = resume.window_hash(state, forcing, job.fixed)
         log = folder / "log/window" / f"{window}.liggghts.log"
-        report = _reporter(comm, window, began)
+        report = _reporter(comm, window)
         advanced = advance_window(comm, scene, state, forcing, log, report)
         provenance = json.loads(state.attrs["provenance"])
         provenance |= job.fixed | {"window": made_from}
@@ -151,11 +151,10 @@ def _write(advanced: Advanced, work: Path, began: float) -> None:
     write_state(advanced.state, work / resume.PARTS["state"])
 
 
-def _reporter(comm: MPI.Comm, window: str, began: float) -> Report:
+def _reporter(comm: MPI.Comm, window: str) -> Report:
     def report(**event: Any) -> None:
         if comm.rank == 0:
-            seconds = time.perf_counter() - began
-            print(json.dumps({"window": window, "seconds": seconds, **event}), flush=True)
+            print(json.dumps({"window": window, **event}), flush=True)
 
     return report
 

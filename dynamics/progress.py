@@ -24,14 +24,14 @@ class Show(Protocol):
 
 def speed(event: Event) -> float:
     """Element-steps per second since the window's dynamics began."""
-    seconds = event["seconds"]
+    seconds = event["dynamics_seconds"]
     return float(event["elements"] * event["step"] / seconds) if seconds > 0 else 0.0
 
 
 def line(event: Event) -> str:
     """Describe an event in one line."""
     share = event["step"] / event["steps"]
-    left = event["seconds"] * (1.0 / share - 1.0)
+    left = event["dynamics_seconds"] * (1.0 / share - 1.0)
     return (
         f"window {event['window']}: step {event['step']} of {event['steps']} ({share:.0%}), "
         f"{speed(event):.3g} element-steps/s, {left:.0f} s left"

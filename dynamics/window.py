@@ -97,7 +97,9 @@ def _last_words(job: Job, log: Path, code: int) -> str:
             for text in reversed(path.read_text(errors="replace").splitlines()):
                 if re.match(r"ERROR|\w*Error\b|FATAL", text.strip()):
                     return f"windows {job.windows[0]} to {job.windows[-1]}: {text.strip()} ({path})"
-    return f"the ranks ended with code {code}; see {log}"
+    words = [text.strip(" -") for text in log.read_text(errors="replace").splitlines()]
+    last = next((text for text in reversed(words) if text), "nothing said")
+    return f"the ranks ended with code {code}: {last} (see {log})"
 
 
 def main(snakemake: stage.Snakemake) -> None:

@@ -4,12 +4,24 @@
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Mapping
+
+# What a running MPI process leaves to its children: an mpirun that finds it takes itself for a part
+# of that process. Settings of the user's own (other OMPI_MCA_ names) stay.
+_INHERITED = re.compile(r"PMIX_|ORTE_|OMPI_(?!MCA_)|OMPI_MCA_(ess|pmix|orte_)")
 
 
-def mpi_environment() -> dict[str, str]:
-    """Environment under which ``mpirun`` starts for any user, on any number of cores."""
+def mpi_environment(base: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """Environment under which ``mpirun`` starts for any user, on any number of cores.
+
+    Parameters
+    ----------
+    base : mapping
+        Environment to start from.
+    """
     return {
-        **os.environ,
+        **{name: value for name, value in base.items() if not _INHERITED.match(name)},
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
         "OMPI_MCA_rmaps_base_oversubscribe": "1",

@@ -14,7 +14,7 @@ from floeflow.dynamics import progress, window
 from floeflow.dynamics.job import Job
 from floeflow.errors import FloeError
 
-EVENT = {"window": "0002", "step": 25, "steps": 100, "elements": 40, "seconds": 2.0}
+EVENT = {"window": "0002", "step": 25, "steps": 100, "elements": 40, "dynamics_seconds": 2.0}
 
 
 @pytest.fixture
@@ -69,4 +69,4 @@ def test_ranks_that_say_nothing_are_quoted_from_their_log(job: Job, tmp_path: Pa
     log.write_text("noise\nERROR: Out of range atoms (../x.cpp:3)\nnoise\n")
     assert "ERROR: Out of range atoms" in window._last_words(job, log, 1)
     log.write_text("noise\n")
-    assert "ended with code 7; see " in window._last_words(job, log, 7)
+    assert "ended with code 7: noise (see " in window._last_words(job, log, 7)

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# mypy: disable-error-code="no-untyped-def"
+"""One column through its processes, and all columns of a slice in parallel.
+
+The only function that Python calls is `advance`, compiled once and cached. What Numba caches
+depends on the file in which a function stands, not on the functions that it calls: a digest of the
+whole folder is bound in, so that a change of any module compiles anew.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+
+from floeflow.column import records as r
+from floeflow.column.bl99 import solve_temperatures
+from floeflow.column.boundary_layer import Air, transfer
+from floeflow.column.categories import remap
+from floeflow.column.growth import change_thickness
+from floeflow.column.layers import flood_mush
+from floeflow.column.mushy import solve_mush
+from floeflow.column.new_ice import freeze_leads
+from floeflow.column.ocean import freezing_temperature, heat_to_ice, limit, mix
+from floeflow.column.physics import TINY, jit
+from floeflow.column.profile import fill, new_profile
+from floeflow.column.records import Column, category_energy, new_scratch
+from floeflow.column.shortwave_ccsm3 import absorb
+from floeflow.column.tidy import clear, empty, melt_sides, open_area, rebin
+
+
+@jit
+def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
+    """Advance one category vertically; energy and light (J/m2) that it lets into the sea.
+
+    Order: light, turbulent coefficients, temperatures, thickness.
+    """
+    area = c.area[n]
+    ice, snow = c.ice[n] / area, c.snow[n] / area
+    first = c.snow_enthalpy.shape[1]
+    fill(w, ice, snow, c.ice_enthalpy[n], c.snow_enthalpy[n], c.salinity[n], p)
+    light, through = absorb(
+        ice, snow, c.surface[n], f[r.VISIBLE], f[r.INFRARED], w.source, first, p
+    )
+    exchange = transfer(c.surface[n], air, False, p)
+    flooded = carried = 0.0
+    if p.mushy:
+        found, advected = solve_mush(
+            w, first, c.surface[n], freezing, light, air, exchange, f[r.SEA_SALINITY], dt, p
+        )
+        flooded, water = flood_mush(w, first, freezing, f[r.SEA_SALINITY], p)
+        carried = advected * dt - water
+    else:
+        found = solve_temperatures(w, first, c.surface[n], freezing, light, air, exchange, dt, p)
+    change = change_thickness(
+        w, first, found, ocean, freezing, f[r.SEA_SALINITY], f[r.SNOWFALL], dt, p
+    )
+
+    inside = 0.0
+    for k in range(w.source.size):
+        inside += w.source[k]
+    vapour = p.ice_density * change.sublimation_ice + p.snow_density * change.sublimation_snow
+    warmed = dt * (found.net - found.latent + inside) - p.vapour * vapour
+    sums[r.AIR_TO_ICE] += area * warmed
+    sums[r.SNOWFALL_ENERGY] -= area * p.snow_density * p.fusion * change.snowfall
+    sums[r.VAPOUR_ICE] += area * vapour
+    sums[r.SNOWFALL_SUM] += area * change.snowfall
+    sums[r.GROWTH] += area * change.growth
+    sums[r.SNOW_ICE] += area * (change.snow_ice + flooded)
+    drowned = change.snow_ice * p.ice_density / p.snow_density + flooded
+    sums[r.FLOODED_SNOW] += area * drowned
+    sums[r.MELT_TOP] += area * change.melt_top
+    sums[r.MELT_BOTTOM] += area * change.melt_bottom
+    sums[r.SUBLIMATION_ICE] += area * change.sublimation_ice
+    sums[r.SUBLIMATION_SNOW] += area * change.sublimation_snow
+    sums[r.MELT_SNOW] += area * (change.melt_snow + change.drowned)
+    sums[r.SWEEPS] += abs(found.sweeps)
+    sums[r.SOLVES] += 1.0
+    sums[r.RESCUED] += 1.0 if found.sweeps < 0 else 0.0
+
+    if change.ice <= 0.0:
+        empty(c, n, freezing)
+    else:
+        c.ice[n], c.snow[n] = area * change.ice, area * change.snow
+        c.surface[n] = found.temperature
+        for k in range(first):
+            c.snow_enthalpy[n, k] = w.enthalpy[k]
+        for k in range(first, w.enthalpy.size):
+            c.ice_enthalpy[n, k - first] = w.enthalpy[k]
+            c.salinity[n, k - first] = w.salt[k]
+    # What the sea gets: what found nothing to melt, less what it gave.
+    return area * (change.spare + carried - ocean * dt), area * through * dt
+
+
+@jit
+def step_column(c, sea, pending, w, s, f, bounds, sums, dt, p):
+    """One step of one column; temperature of the mixed layer and energy to be frozen (J/m2).
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    sea : float
+        Temperature of the mixed layer (degC).
+    pending : float
+        Energy that the sea lacks and that ice will be made of (J/m2).
+    w, s : Profile, Scratch
+        Work arrays.
+    f : ndarray
+        Forcing, (len(FORCING),).
+    bounds : ndarray
+        Of categories (m).
+    sums : ndarray
+        Budget terms, added to.
+    dt : float
+        s.
+    p : Physics
+        Constants.
+    """
+    air = Air(f[r.POTENTIAL_TEMPERATURE], f[r.HUMIDITY], f[r.DENSITY], f[r.WIND], f[r.LONGWAVE])
+    freezing = freezing_temperature(f[r.SEA_SALINITY], p)
+    store = p.heat_water * p.water_density * f[r.MIXED_DEPTH] / dt
+    potential = pending / dt
+    if pending <= 0.0:
+        potential = max((freezing - sea) * store, -p.largest_potential)
+    bottom, side = heat_to_ice(sea, freezing, potential, f[r.OCEAN_FRICTION], dt, p)
+    stored = total = 0.0
+    for n in range(c.area.size):
+        s.before[n] = c.ice[n] / c.area[n] if c.area[n] > TINY else 0.0
+        stored += category_energy(c, n)
+    if side > 0.0:
+        bottom, side = limit(bottom, side, stored, potential, dt)
+
+    heat = light = 0.0
+    for n in range(c.area.size):
+        if c.area[n] > TINY:
+            rest, through = grow_category(c, n, w, air, f, bottom, freezing, sums, dt, p)
+            heat += rest
+            light += through
+    if c.area.size > 1:
+        remap(c, s.before, bounds, s, p)
+    freeze_leads(c, s, max(pending, 0.0), freezing, f[r.SEA_SALINITY], w, bounds, sums, p)
+    heat -= melt_sides(c, side, sums)
+    if c.area.size == 1:
+        open_area(c, s.before[0], bounds[0])
+    rebin(c, bounds)
+    heat -= clear(c, freezing, sums)
+    sums[r.OCEAN_TO_ICE] -= heat
+    sums[r.LIGHT_TO_SEA] += light
+
+    for n in range(c.area.size):
+        total += c.area[n]
+    water = max(1.0 - total, 0.0)
+    lit = (1.0 - p.albedo_ocean) * (f[r.VISIBLE] + f[r.INFRARED])
+    sea, potential, net, latent, deep = mix(
+        sea, freezing, water, lit, air, (heat + light) / dt, f[r.DEEP_HEAT], f[r.MIXED_DEPTH], dt, p
+    )
+    sums[r.AIR_TO_SEA] += dt * (net + lit * water)
+    sums[r.DEEP_TO_SEA] += dt * deep
+    sums[r.VAPOUR_SEA] -= dt * latent / p.vapour
+    return sea, max(potential, 0.0) * dt
+
+
+@jit
+def step_some(
+    begin, end, area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea,
+    pending, w, s, forcing, bounds, sums, dt, constants,
+):  # fmt: skip
+    """Take elements begin to end - 1 through all steps, one element after the other."""
+    p = constants[0]
+    for e in range(begin, end):
+        c = Column(
+            area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e], salinity[e]
+        )
+        for step in range(forcing.shape[0]):
+            sea[e], pending[e] = step_column(
+                c, sea[e], pending[e], w, s, forcing[step, e], bounds, sums[e], dt, p
+            )
+
+
+def _build(digest: str) -> Callable[..., Any]:
+    @numba.njit(cache=True, parallel=True, error_model="numpy")
+    def advance(
+        area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea, pending,
+        forcing, profile, bounds, sums, dt, constants, chunk,
+    ):  # fmt: skip
+        digest  # noqa: B018  (part of the key under which Numba caches)
+        count = area.shape[0]
+        for part in numba.prange((count + chunk - 1) // chunk):
+            w = new_profile(profile, snow_enthalpy.shape[2], constants)
+            s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
+            last = min((part + 1) * chunk, count)
+            step_some(
+                part * chunk, last, area, ice, snow, surface, ice_enthalpy, snow_enthalpy,
+                salinity, sea, pending, w, s, forcing, bounds, sums, dt, constants,
+            )  # fmt: skip
+
+    return advance
+
+
+def _digest() -> str:
+    folder = Path(__file__).parent
+    parts = [path.read_bytes() for path in sorted(folder.glob("*.py"))]
+    return hashlib.sha256(b"".join(parts)).hexdigest()
+
+
+advance = _build(_digest())

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# mypy: disable-error-code="no-untyped-def"
+"""Temperatures and salt of mushy layers by Turner, Hunke and Bitz (2013).
+
+The liquid fraction is held in a step, so the layers are linear and only the surface is not: its
+balance is concave and Newton's method cannot miss it. Numbers of equations are those of
+docs/theory/column_mushy.md.
+"""
+
+from __future__ import annotations
+
+from floeflow.column.bl99 import Balance
+from floeflow.column.boundary_layer import surface_balance
+from floeflow.column.drainage import drain
+from floeflow.column.enthalpy import snow_enthalpy
+from floeflow.column.mush import (
+    brine_enthalpy,
+    brine_salinity,
+    liquid_fraction,
+    liquidus,
+    mush_enthalpy,
+)
+from floeflow.column.physics import jit
+from floeflow.column.profile import conductances
+from floeflow.column.tridiagonal import fill_surface, solve
+
+LEAST_SALINITY = 0.01  # 1e-3
+SWEEPS = 100
+
+
+@jit
+def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, dt, p):
+    """Temperatures, enthalpies and salinities after dt; fluxes, and heat that brine carries off.
+
+    Arguments and first result as `bl99.solve_temperatures`; the heat goes to the sea (W/m2).
+    """
+    z = w.thickness.size
+    top = 0 if first > 0 and w.thickness[0] * first > p.least_snow else first
+    ice = 0.0
+    for k in range(first, z):
+        w.liquid[k] = liquid_fraction(w.temperature[k], w.salt[k])
+        ice += w.thickness[k]
+    drain(w, first, ice, surface, bottom, sea_salinity, dt, p)
+    conductances(w, top, first, p)
+
+    # Bare mush melts from the temperature on at which its salinity is that of brine.
+    melting = 0.0 if top < first else liquidus(w.salt[first])
+    cold = surface < melting
+    start = surface if cold else melting
+    found = settle_surface(w, top, first, cold, start, bottom, light, air, exchange, dt, p)
+    sweeps = found.sweeps
+    warm = found.temperature > melting if cold else found.net >= found.top
+    if warm == cold:
+        found = settle_surface(
+            w, top, first, not warm, melting, bottom, light, air, exchange, dt, p
+        )
+        sweeps += found.sweeps
+    advected = 0.0
+    rest = found.top
+    warm_sea = brine_enthalpy(bottom, p)
+    for k in range(top, z):
+        w.temperature[k] = w.solution[k - top + 1]
+        if k < first:
+            w.enthalpy[k] = snow_enthalpy(w.temperature[k], p)
+        else:
+            w.enthalpy[k] = mush_enthalpy(w.temperature[k], w.liquid[k], p)
+        rest += w.source[k] - w.thickness[k] * (w.enthalpy[k] - w.first_enthalpy[k]) / dt
+    for k in range(first, z):
+        below = brine_enthalpy(w.temperature[k + 1], p) if k < z - 1 else warm_sea
+        advected -= w.flow[k] * (below - brine_enthalpy(w.temperature[k], p))
+    desalinate(w, first, sea_salinity, dt)
+    found = Balance(
+        min(found.temperature, 0.0), found.net, found.latent, found.top, rest - advected, sweeps
+    )
+    return found, advected
+
+
+@jit
+def settle_surface(w, top, first, cold, surface, bottom, light, air, exchange, dt, p):
+    """Solve for a surface that is cold, or for one that is kept at its temperature.
+
+    The layers are left in ``w.solution``; a cold surface may come out above melting.
+    """
+    rows = w.thickness.size - top + 1
+    change, sweeps = 1.0, 0
+    net = latent = 0.0
+    while change > p.surface_tolerance and sweeps < SWEEPS:
+        sweeps += 1
+        net, slope, latent, latent_slope = surface_balance(
+            surface, light, air, exchange[0], exchange[1], p
+        )
+        if cold:
+            fill_surface(w, top, surface, net, slope)
+        for k in range(top, w.thickness.size):
+            fill_mush(w, top, k, first, bottom, dt, p)
+        if not cold:
+            w.right[1] += w.conductance[top] * surface
+        solve(w, 0 if cold else 1, rows)
+        change = 0.0
+        if cold:
+            step = w.solution[0] - surface
+            surface, change = w.solution[0], abs(step)
+            net, latent = net + slope * step, latent + latent_slope * step
+    into = net if cold else w.conductance[top] * (surface - w.solution[1])
+    return Balance(surface, net, latent, into, 0.0, sweeps)
+
+
+@jit
+def fill_mush(w, top, k, first, bottom, dt, p):
+    """Row of a layer: storage, conduction, upward exchange of brine (eqs. 10 and 11)."""
+    row, z = k - top + 1, w.thickness.size
+    per_time = w.thickness[k] / dt
+    exchange = 0.0
+    if k < first:
+        capacity = p.snow_density * p.heat_ice
+        bound = p.snow_density * p.fusion
+    else:
+        ice = 1.0 - w.liquid[k]
+        capacity = w.liquid[k] * p.heat_water * p.water_density + ice * p.ice_density * p.heat_ice
+        bound = ice * p.ice_density * p.fusion
+        exchange = w.flow[k] * p.heat_water * p.water_density
+    w.lower[row] = -w.conductance[k]
+    w.upper[row] = -w.conductance[k + 1] - exchange
+    w.diagonal[row] = capacity * per_time + w.conductance[k] + w.conductance[k + 1] + exchange
+    w.right[row] = per_time * (w.first_enthalpy[k] + bound) + w.source[k]
+    if k == z - 1:
+        w.right[row] += (w.conductance[z] + exchange) * bottom
+
+
+@jit
+def desalinate(w, first, sea_salinity, dt):
+    """Exchange salt with the brine below and drain slowly (eq. 12)."""
+    z = w.thickness.size
+    for k in range(first, z):
+        below = brine_salinity(w.temperature[k + 1]) if k < z - 1 else sea_salinity
+        rate = w.flow[k] * (below - brine_salinity(w.temperature[k])) / w.thickness[k] + w.drain[k]
+        w.salt[k] = max(w.salt[k] + rate * dt, min(LEAST_SALINITY, w.salt[k]))

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Constants of the layered column, one record of numbers that compiled functions can take.
+
+The values are those of the CICE consortium's column physics (Hunke et al. 2015; Icepack 1.4), so
+that reference columns can be compared number by number. Temperatures are in degrees Celsius in
+all compiled functions: enthalpies are counted from the melting point, and differences of a few
+microkelvin matter there.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+
+_LEAN: dict[str, Any] = {"_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+jit: Any = numba.njit(error_model="numpy", nogil=True, **_LEAN)
+"""Compile a small function that only compiled functions call; what Python calls is in kernel.py.
+
+Their arguments carry no types: Numba finds them, and mypy is told not to ask in those files.
+Without counting references to arrays (`_nrt`), which takes half the time otherwise: they can view
+arrays but not make any, for which there is `jit_making`. Without wrappers for Python, which take a
+third of the compilation.
+"""
+
+jit_making: Any = numba.njit(error_model="numpy", nogil=True)
+"""Compile a function that makes arrays."""
+
+TINY = 1e-11  # smallest area fraction and thickness (m) that count as ice
+KELVIN = 273.15
+
+
+class Physics(NamedTuple):
+    """Constants, SI units, temperatures in degrees Celsius.
+
+    Parameters
+    ----------
+    ice_density, snow_density, water_density : float
+        kg/m3.
+    heat_ice, heat_water : float
+        Specific heat of fresh ice (snow too) and of sea water (J/kg/K).
+    fusion, vapour : float
+        Latent heat of fusion and of vaporisation (J/kg); sublimation takes their sum.
+    melting_slope : float
+        Freezing point depression (K per 1e-3 of salinity).
+    mushy : bool
+        Mushy layers with salt of their own (Turner et al. 2013), else Bitz and Lipscomb (1999).
+    bubbly : bool
+        Conductivity of Pringle et al. (2007), else of Maykut and Untersteiner (1971).
+    fresh_conductivity, snow_conductivity : float
+        W/m/K; the former is used where not ``bubbly``.
+    brine_conductivity : float
+        Coefficient of salinity over temperature (W/m per 1e-3) where not ``bubbly``.
+    least_conductivity : float
+        Of ice (W/m/K).
+    least_snow : float
+        Snow thinner than this (m) neither conducts nor changes its temperature.
+    top_salinity_floor, bottom_salinity : float
+        Of the fixed salinity profile (1e-3).
+    emissivity, stefan_boltzmann : float
+        Of ice and snow; W/m2/K4.
+    heat_air, heat_vapour : float
+        J/kg/K.
+    virtual : float
+        Virtual temperature: 1 + virtual * humidity.
+    karman, gravity : float
+        1; m/s2.
+    forcing_height, reference_height : float
+        Of wind, temperature and humidity; of the neutral coefficients (m).
+    ice_roughness : float
+        m.
+    least_wind : float
+        m/s.
+    windless : float
+        Sensible heat exchange in calm air (W/m2/K), Jordan et al. (1999).
+    stability_iterations : int
+        Of the turbulent fluxes.
+    vapour_ice, vapour_ice_exponent, vapour_sea, vapour_sea_exponent : float
+        Saturation density is vapour * exp(-exponent / T) (kg/m3; K), T in K.
+    albedo_ice_visible, albedo_ice_infrared, albedo_snow_visible, albedo_snow_infrared : float
+        Of cold thick ice and cold snow.
+    albedo_ice_warming, albedo_snow_visible_warming, albedo_snow_infrared_warming : float
+        Decrease from ``albedo_ramp`` below melting to melting.
+    albedo_ramp : float
+        K.
+    albedo_ocean, albedo_thickness, snow_patchiness : float
+        Of the ocean; ice as thick (m) has the albedo of thick ice; snow (m) that covers half.
+    penetrating, extinction : float
+        Share of the absorbed visible light that enters bare ice; 1/m.
+    ocean_transfer, least_friction_velocity : float
+        Stanton number of the ice's bottom; m/s.
+    lateral_rate, lateral_power : float
+        Melt rate of sides m/s per K**power (Maykut and Perovich 1987).
+    floe_diameter, floe_shape : float
+        m; Steele (1992).
+    largest_potential : float
+        Freezing or melting potential that a step may use (W/m2).
+    new_ice_thickness, least_thickness : float
+        Of new ice in open water; of the thinnest category's ice (m).
+    mush_ice_conductivity, mush_brine_conductivity : float
+        Of a mush without and of nothing but brine (W/m/K).
+    viscosity, diffusivity : float
+        Of brine (kg/m/s) and its diffusivity of heat (m2/s).
+    channel_radius, critical_rayleigh, channel_aspect : float
+        Of rapid gravity drainage (m, 1, 1); Turner et al. (2013).
+    slow_drainage, slow_liquid : float
+        Rate of slow drainage (m/s/K, negative) and the liquid fraction that it leaves.
+    bottom_liquid : float
+        Liquid fraction of new ice at the bottom.
+    frazil_liquid, frazil_freshening, warmest_frazil : float
+        Liquid fraction of new ice in open water, its salinity below the sea's (1e-3), degC.
+    surface_tolerance, flux_tolerance : float
+        Of the iteration: K, W/m2.
+    iterations : int
+        Of the temperatures, before the sure method takes over.
+    """
+
+    ice_density: float = 917.0
+    snow_density: float = 330.0
+    water_density: float = 1026.0
+    heat_ice: float = 2106.0
+    heat_water: float = 4218.0
+    fusion: float = 334000.0
+    vapour: float = 2.501e6
+    melting_slope: float = 0.054
+    mushy: bool = False
+    bubbly: bool = True
+    fresh_conductivity: float = 2.03
+    snow_conductivity: float = 0.3
+    brine_conductivity: float = 0.13
+    least_conductivity: float = 0.1
+    least_snow: float = 1e-4
+    top_salinity_floor: float = 0.1
+    bottom_salinity: float = 3.2
+    emissivity: float = 0.985
+    stefan_boltzmann: float = 5.67e-8
+    heat_air: float = 1005.0
+    heat_vapour: float = 1810.0
+    virtual: float = 0.606
+    karman: float = 0.4
+    gravity: float = 9.80616
+    forcing_height: float = 10.0
+    reference_height: float = 10.0
+    ice_roughness: float = 5e-4
+    least_wind: float = 1.0
+    windless: float = 1.0
+    stability_iterations: int = 5
+    vapour_ice: float = 11637800.0
+    vapour_ice_exponent: float = 5897.8
+    vapour_sea: float = 627572.4
+    vapour_sea_exponent: float = 5107.4
+    albedo_ice_visible: float = 0.78
+    albedo_ice_infrared: float = 0.36
+    albedo_snow_visible: float = 0.98
+    albedo_snow_infrared: float = 0.70
+    albedo_ice_warming: float = 0.075
+    albedo_snow_visible_warming: float = 0.10
+    albedo_snow_infrared_warming: float = 0.15
+    albedo_ramp: float = 1.0
+    albedo_ocean: float = 0.06
+    albedo_thickness: float = 0.3
+    snow_patchiness: float = 0.02
+    penetrating: float = 0.7
+    extinction: float = 1.4
+    ocean_transfer: float = 0.006
+    least_friction_velocity: float = 5e-4
+    lateral_rate: float = 1.6e-6
+    lateral_power: float = 1.36
+    floe_diameter: float = 300.0
+    floe_shape: float = 0.66
+    largest_potential: float = 1000.0
+    new_ice_thickness: float = 0.05
+    least_thickness: float = 0.01
+    mush_ice_conductivity: float = 2.3
+    mush_brine_conductivity: float = 0.5375
+    viscosity: float = 1.79e-3
+    diffusivity: float = 8.824e-8
+    channel_radius: float = 5e-4
+    critical_rayleigh: float = 10.0
+    channel_aspect: float = 1.0
+    slow_drainage: float = -5e-8
+    slow_liquid: float = 0.05
+    bottom_liquid: float = 0.85
+    frazil_liquid: float = 0.75
+    frazil_freshening: float = 3.0
+    warmest_frazil: float = -0.1
+    surface_tolerance: float = 5e-4
+    flux_tolerance: float = 9e-4
+    iterations: int = 30
+
+
+def as_records(p: Physics) -> Any:
+    """Return the constants as a NumPy array of one record.
+
+    Compiled functions take its address, where of the tuple they would pass all numbers in every
+    call: that compiles much faster.
+    """
+    kinds = {float: "f8", int: "i8", bool: "?"}
+    defaults = Physics._field_defaults
+    dtype = np.dtype([(name, kinds[type(defaults[name])]) for name in p._fields], align=True)
+    return np.array([tuple(p)], dtype)

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# mypy: disable-error-code="no-untyped-def"
+"""Names for what compiled functions pass around: one element's columns, scratch, and sums.
+
+`FORCING` and `SUMS` name the last axis of the arrays of forcing and of budget terms; compiled code
+uses the numbers below, everybody else the names.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floeflow.column.physics import jit, jit_making
+
+Array = NDArray[np.float64]
+
+FORCING = (
+    "potential_temperature",  # of the air (K)
+    "humidity",  # kg/kg
+    "density",  # of the air (kg/m3)
+    "wind",  # m/s
+    "longwave",  # downward (W/m2)
+    "visible",  # short-wave radiation below 0.7 um, downward (W/m2)
+    "infrared",  # above (W/m2)
+    "snowfall",  # kg/m2/s
+    "sea_salinity",  # 1e-3
+    "deep_heat",  # from below the mixed layer, upward (W/m2)
+    "mixed_depth",  # m
+    "ocean_friction",  # friction velocity under the ice (m/s)
+)
+(
+    POTENTIAL_TEMPERATURE,
+    HUMIDITY,
+    DENSITY,
+    WIND,
+    LONGWAVE,
+    VISIBLE,
+    INFRARED,
+    SNOWFALL,
+    SEA_SALINITY,
+    DEEP_HEAT,
+    MIXED_DEPTH,
+    OCEAN_FRICTION,
+) = range(len(FORCING))
+
+SUMS = (
+    "air_to_ice",  # light, long-wave, sensible heat; less what vapour carried off (J/m2)
+    "ocean_to_ice",  # at the bottom, the sides, and for ice that is cleared away (J/m2)
+    "snowfall_energy",  # of snow on ice, negative (J/m2)
+    "new_ice_energy",  # of ice born in open water, negative (J/m2)
+    "light_to_sea",  # through the ice (J/m2)
+    "air_to_sea",  # in open water (J/m2)
+    "deep_to_sea",  # from below (J/m2)
+    "vapour_ice",  # leaving (kg/m2)
+    "vapour_sea",  # leaving (kg/m2)
+    "snowfall",  # on ice (m of snow)
+    "growth",  # at the bottom (m)
+    "snow_ice",  # made of flooded snow (m of ice)
+    "flooded_snow",  # of which it was made (m of snow)
+    "melt_top",  # m
+    "melt_bottom",  # m
+    "melt_lateral",  # m
+    "new_ice",  # m
+    "cleared_ice",  # of categories too small to keep, melted by the sea (m)
+    "sublimation_ice",  # m
+    "sublimation_snow",  # m of snow
+    "melt_snow",  # at the surface, in the sea, beside leads (m of snow)
+    "sweeps",  # iterations of the temperatures
+    "solves",  # temperature solves
+    "rescued",  # of which the sure method did
+)
+(
+    AIR_TO_ICE,
+    OCEAN_TO_ICE,
+    SNOWFALL_ENERGY,
+    NEW_ICE_ENERGY,
+    LIGHT_TO_SEA,
+    AIR_TO_SEA,
+    DEEP_TO_SEA,
+    VAPOUR_ICE,
+    VAPOUR_SEA,
+    SNOWFALL_SUM,
+    GROWTH,
+    SNOW_ICE,
+    FLOODED_SNOW,
+    MELT_TOP,
+    MELT_BOTTOM,
+    MELT_LATERAL,
+    NEW_ICE,
+    CLEARED_ICE,
+    SUBLIMATION_ICE,
+    SUBLIMATION_SNOW,
+    MELT_SNOW,
+    SWEEPS,
+    SOLVES,
+    RESCUED,
+) = range(len(SUMS))
+
+
+class Column(NamedTuple):
+    """Views of one element's categories; volumes per effective area.
+
+    Parameters
+    ----------
+    area, ice, snow, surface : ndarray
+        Fraction, m, m, degC, (ncat,).
+    ice_enthalpy, snow_enthalpy, salinity : ndarray
+        J/m3, J/m3, 1e-3 of ice, (ncat, layers).
+    """
+
+    area: Array
+    ice: Array
+    snow: Array
+    surface: Array
+    ice_enthalpy: Array
+    snow_enthalpy: Array
+    salinity: Array
+
+
+class Scratch(NamedTuple):
+    """Work arrays of the thickness distribution; (ncat,), (ncat + 1,) or (ncat, layers).
+
+    Parameters
+    ----------
+    moved : ndarray
+        Shifted bounds (m), (ncat + 1,).
+    area, volume : ndarray
+        Transfers across bounds, upward, (ncat,); the first is not used.
+    first_area, first_snow, before : ndarray
+        Area and snow before a shift; thickness at the step's start.
+    warmth, touched : ndarray
+        Area times surface temperature; 1 where a shift took part.
+    ice_energy, snow_energy, salt : ndarray
+        Volume times enthalpy and salinity, (ncat, layers).
+    """
+
+    moved: Array
+    area: Array
+    volume: Array
+    first_area: Array
+    first_snow: Array
+    before: Array
+    warmth: Array
+    touched: Array
+    ice_energy: Array
+    snow_energy: Array
+    salt: Array
+
+
+@jit_making
+def new_scratch(categories, ice_layers, snow_layers):
+    """Return work arrays for a number of categories and layers."""
+    return Scratch(
+        np.zeros(categories + 1),
+        np.zeros(categories),
+        np.zeros(categories),
+        np.zeros(categories),
+        np.zeros(categories),
+        np.zeros(categories),
+        np.zeros(categories),
+        np.zeros(categories),
+        np.zeros((categories, ice_layers)),
+        np.zeros((categories, snow_layers)),
+        np.zeros((categories, ice_layers)),
+    )
+
+
+@jit
+def category_energy(c, n):
+    """Energy of ice and snow of category n (J/m2, negative)."""
+    energy = 0.0
+    for k in range(c.ice_enthalpy.shape[1]):
+        energy += c.ice_enthalpy[n, k] * c.ice[n] / c.ice_enthalpy.shape[1]
+    for k in range(c.snow_enthalpy.shape[1]):
+        energy += c.snow_enthalpy[n, k] * c.snow[n] / c.snow_enthalpy.shape[1]
+    return energy

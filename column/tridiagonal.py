@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# mypy: disable-error-code="no-untyped-def"
+"""The linear system of surface and layers that every sweep of the temperatures solves."""
+
+from __future__ import annotations
+
+from floeflow.column.physics import jit
+
+
+@jit
+def fill_surface(w, top, temperature, net, slope):
+    """Row 0: the linearised surface balance with the layer below (theory, eq. 8)."""
+    w.diagonal[0] = slope - w.conductance[top]
+    w.upper[0] = w.conductance[top]
+    w.right[0] = slope * temperature - net
+
+
+@jit
+def fill_layer(w, top, layer, capacity, start, bottom, dt):
+    """Row of a layer of a heat capacity (J/m3/K), backward Euler (theory, eq. 13).
+
+    ``start`` is the temperature from which light and conduction take it (degC), ``bottom`` that of
+    the ice's bottom.
+    """
+    k, row, z = w.conductance, layer - top + 1, w.thickness.size
+    step = dt / (w.thickness[layer] * capacity)
+    w.lower[row] = -step * k[layer]
+    w.upper[row] = -step * k[layer + 1]
+    w.diagonal[row] = 1.0 + step * (k[layer] + k[layer + 1])
+    w.right[row] = start + step * w.source[layer]
+    if layer == z - 1:
+        w.right[row] += step * k[z] * bottom
+
+
+@jit
+def solve(w, begin, end):
+    """Eliminate rows begin to end - 1 (Thomas); the right side is overwritten."""
+    pivot = w.diagonal[begin]
+    w.solution[begin] = w.right[begin] / pivot
+    for row in range(begin + 1, end):
+        w.right[row - 1] = w.upper[row - 1] / pivot
+        pivot = w.diagonal[row] - w.lower[row] * w.right[row - 1]
+        w.solution[row] = (w.right[row] - w.lower[row] * w.solution[row - 1]) / pivot
+    for row in range(end - 2, begin - 1, -1):
+        w.solution[row] -= w.right[row] * w.solution[row + 1]
