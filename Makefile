@@ -11,7 +11,7 @@ SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
 export PYTHON LIGGGHTS_ROOT NO_APT
 
-.PHONY: help setup run test lint doctor test-fresh lock clean
+.PHONY: help setup run test verification lint doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -26,6 +26,9 @@ run: setup ## set up, then run SCENE= and print where its report lies
 test: setup lint ## set up, then run lint and every test but the slow ones
 	ctest --test-dir build/liggghts_models --output-on-failure
 	.venv/bin/python -m pytest -m "not slow" tests
+
+verification: setup ## compare with theory and references at length, draw docs/images/verification
+	.venv/bin/python -m pytest -m verification --figures tests/verification
 
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh
