@@ -363,10 +363,10 @@ def test_what_cannot_be_is_refused(log: Path, tmp_path: Path) -> None:
     with Engine(SELF, strong, log) as engine:
         assert "beyond the 4 that neighbour lists cover" in refusal(engine, raft, table)
     with Engine(SELF, EngineParams(time_step=1.0), tmp_path / "no" / "log") as engine:
-        assert "for LIGGGHTS' log does not exist" in refusal(engine, raft)
+        assert "log cannot be written: No such file" in refusal(engine, raft)
     (tmp_path / "log").mkdir()
     with Engine(SELF, EngineParams(time_step=1.0), tmp_path / "log") as engine:
-        assert "LIGGGHTS: Cannot open" in refusal(engine, raft)
+        assert "log cannot be written: Is a directory" in refusal(engine, raft)
     with Engine(SELF, EngineParams(time_step=1.0, wind=True), log) as engine:
         engine.load(raft)
         with pytest.raises(FloeError, match="need forcing"):
