@@ -30,7 +30,10 @@ from floeflow.column.state import ColumnForcing, ColumnState
 DT = 3600.0  # s
 CATEGORIES = 5
 STEPS = 24
-ICEPACK = {"bl99": [33000, 43000]}  # column-steps/s per core, five categories
+ICEPACK = {
+    "bl99": [33000, 43000],
+    "mushy": [23000, 32000],
+}  # column-steps/s per core, five categories
 SEASONS = {
     "winter": {"air": 243.0, "longwave": 170.0, "sun": 0.0, "snow": 1e-6, "humidity": 2.5e-4},
     "summer": {"air": 273.0, "longwave": 295.0, "sun": 260.0, "snow": 0.0, "humidity": 3.4e-3},
@@ -89,9 +92,9 @@ def columns(season: str, count: int, seed: int, p: Physics) -> LayeredState:
     return state
 
 
-def time_layered(season: str, count: int, threads: int, repeats: int) -> Record:
-    """Time the Bitz-Lipscomb scheme."""
-    p, bounds = Physics(), category_bounds(CATEGORIES)
+def time_layered(scheme: str, season: str, count: int, threads: int, repeats: int) -> Record:
+    """Time the layered scheme `bl99` or `mushy`."""
+    p, bounds = Physics(mushy=scheme == "mushy"), category_bounds(CATEGORIES)
     some = columns(season, min(count, 1000), 1, p)
     state = take(some, np.arange(count) % len(some.sea_temperature))
     one = pack_forcing(weather(season, STEPS, min(count, 1000), 99), STEPS, min(count, 1000))
@@ -107,7 +110,7 @@ def time_layered(season: str, count: int, threads: int, repeats: int) -> Record:
         cpu.append(time.process_time() - start[1])
     speed = count * steps / min(cpu)
     extra = {
-        "scheme": "bl99",
+        "scheme": scheme,
         "season": season,
         "categories": CATEGORIES,
         "steps": steps,
@@ -116,10 +119,10 @@ def time_layered(season: str, count: int, threads: int, repeats: int) -> Record:
         "sweeps_mean": float(sums["sweeps"].sum() / sums["solves"].sum()),
         "rescued": int(sums["rescued"].sum()),
         "peak_memory_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
-        "icepack_quoted_per_core": ICEPACK["bl99"],
-        "ratio_to_quoted": [speed / quoted for quoted in ICEPACK["bl99"]],
+        "icepack_quoted_per_core": ICEPACK[scheme],
+        "ratio_to_quoted": [speed / quoted for quoted in ICEPACK[scheme]],
     }
-    return Record(f"column/bl99/{season}", count, threads, seconds, extra=extra)
+    return Record(f"column/{scheme}/{season}", count, threads, seconds, extra=extra)
 
 
 def time_zero_layer(season: str, count: int, repeats: int) -> Record:
@@ -163,11 +166,13 @@ def main() -> None:
     options = parser.parse_args()
     most = numba.config.NUMBA_NUM_THREADS
     records = [time_zero_layer(season, 1000, options.repeats) for season in SEASONS]
-    for season in SEASONS:
-        records += [time_layered(season, 1000, n, options.repeats) for n in range(1, most + 1)]
+    for scheme in ICEPACK:
+        for season in SEASONS:
+            for threads in range(1, most + 1):
+                records.append(time_layered(scheme, season, 1000, threads, options.repeats))
     count = 100
     while count <= options.largest:
-        records.append(time_layered("winter", count, 1, options.repeats))
+        records.append(time_layered("bl99", "winter", count, 1, options.repeats))
         count *= 10
     write_records(records, options.out)
     for record in records:

@@ -34,6 +34,8 @@ class Change(NamedTuple):
         Snow fallen; snow whose ice went, which the sea melts (m of snow).
     spare : float
         Energy that found nothing to melt, less what the sea pays for drowned snow (J/m2).
+    salt : float
+        Gained by mush in growth and melt (1e-3 m).
     """
 
     ice: float
@@ -48,6 +50,7 @@ class Change(NamedTuple):
     snowfall: float
     drowned: float
     spare: float
+    salt: float
 
 
 @jit
@@ -89,6 +92,7 @@ def change_thickness(w, first, found, ocean, bottom, sea_salinity, snowfall, dt,
     growth, brought = freeze_on(w, max(-base, 0.0), bottom, sea_salinity, p)
     # Energy of what the ice loses to the sea beside its own melting: brine, and water of the mush.
     washed = -brought - hoar_ice * (hoar_enthalpy - min(hoar_enthalpy - w.water[first], 0.0))
+    salt = growth * sea_salinity + hoar_ice * w.salt[first]
     leaving, heat = max(vapour, 0.0), max((found.net - found.top) * dt, 0.0)
     gone_snow = gone_ice = melt_snow = melt_top = melt_bottom = 0.0
     for k in range(z):
@@ -97,6 +101,7 @@ def change_thickness(w, first, found, ocean, bottom, sea_salinity, snowfall, dt,
         taken, leaving = remove(w, k, leaving, bound - density * p.vapour)
         melted, heat = remove(w, k, heat, bound)
         washed += taken * (w.enthalpy[k] - bound) + melted * (w.enthalpy[k] - bound)
+        salt -= (taken + melted) * w.salt[k]
         if k < first:
             gone_snow += taken
             melt_snow += melted
@@ -108,6 +113,7 @@ def change_thickness(w, first, found, ocean, bottom, sea_salinity, snowfall, dt,
         bound = min(w.enthalpy[k] - w.water[k], 0.0)
         melted, below = remove(w, k, below, bound)
         washed += melted * (w.enthalpy[k] - bound)
+        salt -= melted * w.salt[k]
         if k < first:
             melt_snow += melted
         else:
@@ -117,7 +123,7 @@ def change_thickness(w, first, found, ocean, bottom, sea_salinity, snowfall, dt,
     ice, snow, snow_ice, drowned, cost = settle(w, first, p)
     return Change(
         ice, snow, growth, snow_ice, melt_top, melt_bottom, melt_snow,
-        gone_ice - hoar_ice, gone_snow - hoar_snow, fallen, drowned, spare + cost,
+        gone_ice - hoar_ice, gone_snow - hoar_snow, fallen, drowned, spare + cost, salt,
     )  # fmt: skip
 
 

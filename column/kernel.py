@@ -46,12 +46,13 @@ def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
         ice, snow, c.surface[n], f[r.VISIBLE], f[r.INFRARED], w.source, first, p
     )
     exchange = transfer(c.surface[n], air, False, p)
-    flooded = carried = 0.0
+    flooded = carried = salt = 0.0
     if p.mushy:
-        found, advected = solve_mush(
+        found, advected, salt = solve_mush(
             w, first, c.surface[n], freezing, light, air, exchange, f[r.SEA_SALINITY], dt, p
         )
-        flooded, water = flood_mush(w, first, freezing, f[r.SEA_SALINITY], p)
+        flooded, water, brine = flood_mush(w, first, freezing, f[r.SEA_SALINITY], p)
+        salt += brine
         carried = advected * dt - water
     else:
         found = solve_temperatures(w, first, c.surface[n], freezing, light, air, exchange, dt, p)
@@ -77,6 +78,7 @@ def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
     sums[r.SUBLIMATION_ICE] += area * change.sublimation_ice
     sums[r.SUBLIMATION_SNOW] += area * change.sublimation_snow
     sums[r.MELT_SNOW] += area * (change.melt_snow + change.drowned)
+    sums[r.SALT_TO_ICE] += area * (salt + change.salt)
     sums[r.SWEEPS] += abs(found.sweeps)
     sums[r.SOLVES] += 1.0
     sums[r.RESCUED] += 1.0 if found.sweeps < 0 else 0.0

@@ -195,3 +195,9 @@ def water_residual(
     snow = snow - sums["snowfall"] + sums["melt_snow"] + sums["sublimation_snow"]
     snow = snow + sums["flooded_snow"]
     return np.asarray(ice), np.asarray(snow)
+
+
+def salt_residual(before: LayeredState, after: LayeredState, sums: dict[str, Array]) -> Array:
+    """Change of the salt of mush that the terms do not explain (1e-3 m), (n,)."""
+    content = [(s.ice_salinity.mean(axis=2) * s.ice_volume).sum(axis=1) for s in (before, after)]
+    return np.asarray(content[1] - content[0] - sums["salt_to_ice"])

@@ -80,17 +80,17 @@ def flood(w, first, ice, snow, p):
 
 @jit
 def flood_mush(w, first, bottom, sea_salinity, p):
-    """Fill snow below the water line with sea water; ice gained (m), energy of the water (J/m2).
+    """Fill snow below the water line with sea water; ice gained (m), energy (J/m2), salt (1e-3 m).
 
     Turner, Hunke and Bitz (2013); theory of the mushy column, eq. 15. The pores of the snow take
-    brine of the sea, and the flooded snow becomes mush on top of the ice.
+    sea water with its energy and salt, and the flooded snow becomes mush on top of the ice.
     """
     snow = weight = ice = 0.0
     for k in range(first):
         snow += w.thickness[k]
     sea = brine_density(sea_salinity)
     if snow <= p.least_snow:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     for k in range(first, w.thickness.size):
         brine = brine_density(brine_salinity(w.temperature[k]))
         dense = w.liquid[k] * brine + (1.0 - w.liquid[k]) * p.ice_density
@@ -98,7 +98,7 @@ def flood_mush(w, first, bottom, sea_salinity, p):
         ice += w.thickness[k]
     sunk = weight + snow * p.snow_density - ice * sea
     if sunk <= 0.0:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     pores = 1.0 - p.snow_density / p.ice_density
     flooded = pores * sea + (1.0 - pores) * p.ice_density
     gain = min(sunk / (sea - flooded + p.snow_density), snow)
@@ -114,4 +114,4 @@ def flood_mush(w, first, bottom, sea_salinity, p):
     salt = w.thickness[first] * w.salt[first] + gain * pores * sea_salinity
     w.salt[first] = salt / total
     w.thickness[first] = total
-    return gain, water
+    return gain, water, gain * pores * sea_salinity

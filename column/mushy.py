@@ -32,7 +32,8 @@ SWEEPS = 100
 def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, dt, p):
     """Temperatures, enthalpies and salinities after dt; fluxes, and heat that brine carries off.
 
-    Arguments and first result as `bl99.solve_temperatures`; the heat goes to the sea (W/m2).
+    Arguments and first result as `bl99.solve_temperatures`; the heat goes to the sea (W/m2). The
+    third is the salt that the ice gained (1e-3 m), negative.
     """
     z = w.thickness.size
     top = 0 if first > 0 and w.thickness[0] * first > p.least_snow else first
@@ -68,11 +69,11 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, dt
     for k in range(first, z):
         below = brine_enthalpy(w.temperature[k + 1], p) if k < z - 1 else warm_sea
         advected -= w.flow[k] * (below - brine_enthalpy(w.temperature[k], p))
-    desalinate(w, first, sea_salinity, dt)
+    salt = desalinate(w, first, sea_salinity, dt)
     found = Balance(
         min(found.temperature, 0.0), found.net, found.latent, found.top, rest - advected, sweeps
     )
-    return found, advected
+    return found, advected, salt
 
 
 @jit
@@ -129,9 +130,13 @@ def fill_mush(w, top, k, first, bottom, dt, p):
 
 @jit
 def desalinate(w, first, sea_salinity, dt):
-    """Exchange salt with the brine below and drain slowly (eq. 12)."""
+    """Exchange salt with the brine below and drain slowly (eq. 12); salt gained (1e-3 m)."""
     z = w.thickness.size
+    gained = 0.0
     for k in range(first, z):
         below = brine_salinity(w.temperature[k + 1]) if k < z - 1 else sea_salinity
         rate = w.flow[k] * (below - brine_salinity(w.temperature[k])) / w.thickness[k] + w.drain[k]
-        w.salt[k] = max(w.salt[k] + rate * dt, min(LEAST_SALINITY, w.salt[k]))
+        change = max(rate * dt, min(LEAST_SALINITY - w.salt[k], 0.0))
+        w.salt[k] += change
+        gained += w.thickness[k] * change
+    return gained

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from floeflow.column.mush import liquid_fraction, liquidus, mush_enthalpy
 from floeflow.column.physics import TINY, jit
-from floeflow.column.records import NEW_ICE, NEW_ICE_ENERGY
+from floeflow.column.records import NEW_ICE, NEW_ICE_ENERGY, SALT_TO_ICE
 
 
 @jit
@@ -57,6 +57,7 @@ def freeze_leads(c, s, energy, freezing, sea_salinity, w, bounds, sums, p):
     enthalpy, salinity = frazil(sea_salinity, p)
     volume = -energy / enthalpy
     sums[NEW_ICE] += volume
+    sums[SALT_TO_ICE] += volume * max(salinity, 0.0)
     sums[NEW_ICE_ENERGY] -= energy
     total = 0.0
     for n in range(c.area.size):

@@ -68,6 +68,7 @@ SUMS = (
     "sublimation_ice",  # m
     "sublimation_snow",  # m of snow
     "melt_snow",  # at the surface, in the sea, beside leads (m of snow)
+    "salt_to_ice",  # of mush: by growth, flooding, drainage and melt (1e-3 m)
     "sweeps",  # iterations of the temperatures
     "solves",  # temperature solves
     "rescued",  # of which the sure method did
@@ -94,6 +95,7 @@ SUMS = (
     SUBLIMATION_ICE,
     SUBLIMATION_SNOW,
     MELT_SNOW,
+    SALT_TO_ICE,
     SWEEPS,
     SOLVES,
     RESCUED,
@@ -166,6 +168,15 @@ def new_scratch(categories, ice_layers, snow_layers):
         np.zeros((categories, snow_layers)),
         np.zeros((categories, ice_layers)),
     )
+
+
+@jit
+def category_salt(c, n):
+    """Salt of category n (1e-3 m)."""
+    salt = 0.0
+    for k in range(c.salinity.shape[1]):
+        salt += c.salinity[n, k] * c.ice[n] / c.salinity.shape[1]
+    return salt
 
 
 @jit

@@ -5,7 +5,14 @@
 from __future__ import annotations
 
 from floeflow.column.physics import TINY, jit
-from floeflow.column.records import CLEARED_ICE, MELT_LATERAL, MELT_SNOW, category_energy
+from floeflow.column.records import (
+    CLEARED_ICE,
+    MELT_LATERAL,
+    MELT_SNOW,
+    SALT_TO_ICE,
+    category_energy,
+    category_salt,
+)
 
 
 @jit
@@ -20,6 +27,7 @@ def melt_sides(c, side, sums):
     for n in range(c.area.size):
         energy -= side * category_energy(c, n)
         sums[MELT_LATERAL] += side * c.ice[n]
+        sums[SALT_TO_ICE] -= side * category_salt(c, n)
         sums[MELT_SNOW] += side * c.snow[n]
         c.area[n] *= 1.0 - side
         c.ice[n] *= 1.0 - side
@@ -101,6 +109,7 @@ def clear(c, freezing, sums):
         if c.ice[n] != 0.0 or c.snow[n] != 0.0:
             energy -= category_energy(c, n)
             sums[CLEARED_ICE] += c.ice[n]
+            sums[SALT_TO_ICE] -= category_salt(c, n)
             sums[MELT_SNOW] += c.snow[n]
         empty(c, n, freezing)
     return energy

@@ -15,11 +15,12 @@ def test_every_scheme_is_timed(project: Path) -> None:
     spec.loader.exec_module(bench)
     threads = numba.get_num_threads()
     try:
-        layered = bench.time_layered("summer", 30, 1, 2)
+        layered = bench.time_layered("bl99", "summer", 30, 1, 2)
+        mushy = bench.time_layered("mushy", "winter", 30, 1, 2)
     finally:
         numba.set_num_threads(threads)
     flat = bench.time_zero_layer("winter", 30, 2)
-    for record, scheme in ((layered, "bl99"), (flat, "zero_layer")):
+    for record, scheme in ((layered, "bl99"), (mushy, "mushy"), (flat, "zero_layer")):
         data = record.as_dict()
         assert data["scheme"] == scheme and data["n"] == 30 and data["repeats"] == 2
         work = 30 * data["steps"]

@@ -7,7 +7,7 @@ import numpy as np
 from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, year
 
 from floeflow.column.categories import category_bounds
-from floeflow.column.layered import ice_residual, sea_residual, step, water_residual
+from floeflow.column.layered import ice_residual, salt_residual, sea_residual, step, water_residual
 
 CASE = "mushy_n1_ccsm3"
 
@@ -37,6 +37,7 @@ def test_one_category_step_by_step(shared: Path) -> None:
         assert worst(sums[ours], data[theirs].values[1:]) < 1e-10, ours
     assert np.abs(ice_residual(before, after, sums)).max() < 1e-8 * DT
     assert np.abs(sea_residual(before, after, sums, 20.0, p)).max() < 1e-8 * DT
+    assert np.abs(salt_residual(before, after, sums)).max() < 1e-13
     assert max(np.abs(part).max() for part in water_residual(before, after, sums)) < 1e-14
 
 

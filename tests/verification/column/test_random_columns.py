@@ -14,6 +14,7 @@ from floeflow.column.layered import (
     ice_energy,
     ice_residual,
     pack_forcing,
+    salt_residual,
     sea_residual,
     step,
     take,
@@ -143,6 +144,8 @@ def test_any_column(
     ice, snow = water_residual(before, after, sums)
     assert np.abs(ice).max() < 2e-14
     assert np.abs(snow).max() < 2e-15
+    if mushy:
+        assert np.abs(salt_residual(before, after, sums)).max() < 1e-12
     assert (sums["rescued"] <= sums["solves"]).all()
 
     part = slice(n // 3, n // 2)
