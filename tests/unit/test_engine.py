@@ -391,6 +391,13 @@ def test_bad_parameters_are_refused(key: str, value: float, sentence: str) -> No
     assert str(caught.value) == sentence
 
 
+def test_numbers_of_numpy_are_numbers(log: Path) -> None:
+    params = EngineParams(time_step=np.float64(1.0), contact_damping=np.float64(0.0))
+    with Engine(SELF, params, log) as engine:
+        engine.load(lattice(2, 1))
+        engine.run(1)
+
+
 def test_a_missing_plugin_is_one_sentence(monkeypatch: pytest.MonkeyPatch, log: Path) -> None:
     from floeflow.dynamics import pluginlib
 

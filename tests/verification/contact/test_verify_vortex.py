@@ -87,12 +87,22 @@ def test_a_day_beside_demsi(log: Path, demsi: dict[str, np.ndarray], show) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("thinnest", "share"), [(0.8, 0.1), (0.0, 0.2)])
-def test_other_thicknesses_at_the_same_step(log: Path, thinnest: float, share: float) -> None:
-    # Springs alone: the thinnest ice is squeezed further than 0.1 of a radius, for it cannot ridge.
+@pytest.mark.parametrize(
+    "thinnest",
+    [
+        0.8,
+        pytest.param(
+            0.0,
+            marks=pytest.mark.xfail(
+                strict=True, reason="springs alone squeeze the thinnest ice by 0.15 R: no ridging"
+            ),
+        ),
+    ],
+)
+def test_other_thicknesses_at_the_same_step(log: Path, thinnest: float) -> None:
     random = np.random.default_rng(2)
     thickness = np.maximum(random.uniform(thinnest, 1.0, 5000), 1e-6)
     elements = vortex.box(lattice(), thickness, 0)
     assert critical_step(elements, None, vortex.parameters(STEP))[0] > STEP
     _, _, overlap = run(log, thickness, 0, 24.0)
-    assert overlap < share * vortex.RADIUS
+    assert overlap < 0.1 * vortex.RADIUS
