@@ -57,6 +57,8 @@ inline Ridge ridge_at(const double *h) {
   return {h[slot::ridge_closing], h[slot::ridge_thickness], h[slot::ridge_length]};
 }
 
+inline bool is_bond(int flag, const double *h) { return flag && h[slot::span] != 0.0; }
+
 }  // namespace floe
 
 #endif

@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "body.h"
 #include "bond.h"
+#include "bond_batch.h"
 #include "contact.h"
 #include "granular_pair_style.h"
 #include "pointers.h"
@@ -22,15 +24,7 @@ class FixFloeIntegrate;
 
 namespace floe {
 
-// What the loop over pairs reads of an element: one cache line, gathered once per step.
-struct Body {
-  double x, y, u, v, spin, cos, sin, radius;
-};
-
-// What it adds up for an element.
-struct Load {
-  double fx, fy, torque, ridged;  // N, N m; area turned into ridge, m2
-};
+struct Losses;
 
 // Energy (J) and counts of the present pairs of one rank.
 struct PairSums {
@@ -71,6 +65,7 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   // Fills the slots of a bond that follow from its others and from its elements i and j.
   void finish_bond(double *history, int i, int j) const;
   void finish_contact(double *history, int i, int j) const;  // and of a contact
+  void bonds_changed() { stale_ = true; }  // by others than this class, in the neighbour lists
 
   bool bonds = false, friction = true, ridging = false, kovacs_sodhi = false;
   double compressive = 0.0;  // Pa, where it is constant
@@ -82,7 +77,13 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
  private:
   template <bool Bonds, bool Friction, bool Ridging>
   void loop(LAMMPS_NS::PairGran *);
-  template <bool Bonds, bool Friction>
+  template <bool Friction>
+  [[gnu::noinline]] void loop_contacts(LAMMPS_NS::PairGran *);
+  template <bool Ridging>
+  void bond_alone(const ListedBond &, int size, bool advance, Losses &);
+  double limit2() const { return 0.998 * reach * reach; }
+  void list_bonds(LAMMPS_NS::PairGran *);
+  template <bool Friction>
   void choose_loop(LAMMPS_NS::PairGran *);
   void gather();
   void scatter();
@@ -94,6 +95,9 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   double reduced_mass(int i, int j) const;
   std::vector<Body> bodies_;  // of elements and ghosts
   std::vector<Load> loads_;
+  BondBatch batch_;
+  std::vector<int> rims_;  // elements with neighbours that they are not bonded to
+  bool stale_ = true;      // the lists of bonds
   LAMMPS_NS::FixFloeIntegrate *fix_ = nullptr;
   std::int64_t hash_;
 };

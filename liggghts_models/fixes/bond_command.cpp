@@ -91,6 +91,7 @@ void BondCommand::command(int narg, char **arg) {
       made += j < atom->nlocal ? 1.0 : 0.5;
     }
   }
+  parts.floe->bonds_changed();
   double total;
   MPI_Allreduce(&made, &total, 1, MPI_DOUBLE, MPI_SUM, world);
   const std::string text = "floe_bonds: " + std::to_string(std::llround(total)) + " bonds\n";

@@ -11,6 +11,8 @@
 #include "error.h"
 #include "force.h"
 #include "memory.h"
+#include "orientation.h"
+#include "turn.h"
 #include "update.h"
 
 using namespace LAMMPS_NS;
@@ -144,8 +146,7 @@ void FixFloeIntegrate::init() {
 
 void FixFloeIntegrate::set_orientation(int i, double angle) {
   theta[i] = angle;
-  atom->omega[i][0] = std::cos(angle);
-  atom->omega[i][1] = std::sin(angle);
+  floe::cos_sin(angle, atom->omega[i][0], atom->omega[i][1]);
 }
 
 void FixFloeIntegrate::note_fault(int i, int kind, int partner, double speed) {
@@ -241,8 +242,9 @@ void FixFloeIntegrate::advance() {
     x[i][1] += step * out.u_new.y;
     omega[i][2] = new_spin;
     theta[i] += step * new_spin;
-    if (use_orientation) set_orientation(i, theta[i]);
   }
+  // Of all elements: for those that did not turn it changes nothing.
+  if (use_orientation && nlocal > 0) floe::write_turns(theta, nlocal, omega[0]);
   ledger = sum;
 }
 

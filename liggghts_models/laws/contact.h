@@ -8,7 +8,6 @@
 #ifndef FLOE_LAWS_CONTACT_H
 #define FLOE_LAWS_CONTACT_H
 
-#include <algorithm>
 #include <cmath>
 
 #include "bond.h"
@@ -25,30 +24,38 @@ struct ContactMaterial {
 
 // Two elements in touch, "one" and "two". The law is symmetric to the bit: exchanging them negates
 // the force and changes nothing else, so both sides of a rank boundary agree.
-struct ContactPose {
-  Vec2 d;           // centre of two minus centre of one, m
-  double distance;  // |d|, m
-  double radius_one, radius_two;
-  Vec2 v;  // velocity of two minus velocity of one, m/s
-  double spin_one, spin_two;
+template <typename T>
+struct ContactPoseOf {
+  VectorOf<T> d;  // centre of two minus centre of one, m
+  T distance;     // |d|, m
+  T radius_one, radius_two;
+  VectorOf<T> v;  // velocity of two minus velocity of one, m/s
+  T spin_one, spin_two;
 };
+using ContactPose = ContactPoseOf<double>;
 
 // What follows from material, thicknesses and masses and stays the same until the ice changes.
-struct ContactConstants {
-  double stiffness;  // normal, N/m
-  double damping;    // normal, N s/m
+template <typename T>
+struct ContactConstantsOf {
+  T stiffness;  // normal, N/m
+  T damping;    // normal, N s/m
 };
+using ContactConstants = ContactConstantsOf<double>;
 
-struct ContactLoss {
-  double damping;   // W
-  double friction;  // J, over the step
+template <typename T>
+struct ContactLossOf {
+  T damping;   // W
+  T friction;  // J, over the step
 };
+using ContactLoss = ContactLossOf<double>;
 
 // Force on one (two takes the opposite) and torques on both.
-struct ContactForce {
-  Vec2 f;
-  double torque_one, torque_two;
+template <typename T>
+struct ContactForceOf {
+  VectorOf<T> f;
+  T torque_one, torque_two;
 };
+using ContactForce = ContactForceOf<double>;
 
 // Normal stiffness N/m from the two thicknesses (m): springs of the two elements in series.
 inline double contact_stiffness(double young, double h_one, double h_two) {
@@ -63,46 +70,49 @@ inline ContactConstants contact_constants(const ContactMaterial &m, double h_one
 }
 
 // Overlap that makes force, m. The rest overlap can only shrink, as the pair separates.
-inline double effective_overlap(const ContactPose &p, double &rest_overlap) {
-  const double overlap = (p.radius_one + p.radius_two) - p.distance;
-  rest_overlap = std::max(0.0, std::min(rest_overlap, overlap));
+template <typename T>
+FLOE_INLINE T effective_overlap(const ContactPoseOf<T> &p, T &rest_overlap) {
+  const T overlap = (p.radius_one + p.radius_two) - p.distance;
+  rest_overlap = larger(T{}, smaller(rest_overlap, overlap));
   return overlap - rest_overlap;
 }
 
 // slip is the history: the elastic tangential displacement, m; step the time over which it advances
 // (0: only evaluate). With Ridging the normal force, damping included, stays below the limit (N),
 // or at the elastic force where that alone is above it.
-template <bool Friction, bool Ridging = false>
-inline ContactForce contact_force(const ContactMaterial &m, const ContactConstants &c,
-                                  const ContactPose &p, double overlap, double step, double &slip,
-                                  ContactLoss &loss, double ridging = 0.0) {
-  const double inv = 1.0 / p.distance;
-  const Vec2 n{p.d.x * inv, p.d.y * inv};
-  const double vn = p.v.x * n.x + p.v.y * n.y;
-  const double elastic = c.stiffness * overlap;
-  double push = elastic - c.damping * vn;
+template <bool Friction, bool Ridging = false, typename T>
+FLOE_INLINE ContactForceOf<T> contact_force(const ContactMaterial &m,
+                                            const ContactConstantsOf<T> &c,
+                                            const ContactPoseOf<T> &p, T overlap, double step,
+                                            T &slip, ContactLossOf<T> &loss, T ridging = T{}) {
+  const T inv = 1.0 / p.distance, none{};
+  const VectorOf<T> n{p.d.x * inv, p.d.y * inv};
+  const T vn = p.v.x * n.x + p.v.y * n.y;
+  const T elastic = c.stiffness * overlap;
+  T push = elastic - c.damping * vn;
   // What is not finite must come through: the order of the arguments keeps a NaN.
-  if constexpr (Ridging) push = std::min(push, std::max(elastic, ridging));
-  const double fn = std::max(push, 0.0);
+  if constexpr (Ridging) push = smaller(push, larger(elastic, ridging));
+  const T fn = larger(push, none);
   loss.damping = (elastic - fn) * vn;
-  loss.friction = 0.0;
-  if constexpr (!Friction) return {{-fn * n.x, -fn * n.y}, 0.0, 0.0};
+  loss.friction = none;
+  if constexpr (!Friction) return {{-fn * n.x, -fn * n.y}, none, none};
   // The levers add up to the distance of the centres, else angular momentum would be lost.
-  const double share = p.distance / (p.radius_one + p.radius_two);
-  const double arm_one = p.radius_one * share, arm_two = p.radius_two * share;
-  const double turning = p.spin_one * arm_one + p.spin_two * arm_two;
-  const double vt = (p.v.y * n.x - p.v.x * n.y) - turning;
-  const double kt = m.shear_ratio * c.stiffness, limit = m.friction * fn;
-  const double trial = slip + vt * step;
-  double spring = kt * trial;
+  const T share = p.distance / (p.radius_one + p.radius_two);
+  const T arm_one = p.radius_one * share, arm_two = p.radius_two * share;
+  const T turning = p.spin_one * arm_one + p.spin_two * arm_two;
+  const T vt = (p.v.y * n.x - p.v.x * n.y) - turning;
+  const T kt = m.shear_ratio * c.stiffness, limit = m.friction * fn;
+  const T trial = slip + vt * step;
   slip = trial;
-  if (std::fabs(spring) > limit) {
-    slip = std::copysign(limit / kt, trial);
-    spring = kt * slip;
-    loss.friction = (trial - slip) * spring;
+  if (any(magnitude(kt * trial) > limit)) {
+    const auto slides = magnitude(kt * trial) > limit;
+    const T cap = limit / kt;
+    slip = slides ? (trial < none ? -cap : cap) : trial;
+    loss.friction = slides ? (trial - slip) * (kt * slip) : none;
   }
-  const double viscous = m.damping_ratio * c.damping * vt;
-  const double ft = std::max(std::min(spring + viscous, limit), -limit);
+  const T spring = kt * slip;
+  const T viscous = m.damping_ratio * c.damping * vt;
+  const T ft = larger(smaller(spring + viscous, limit), -limit);
   loss.damping += (ft - spring) * vt;
   return {{-fn * n.x - ft * n.y, -fn * n.y + ft * n.x}, arm_one * ft, arm_two * ft};
 }
