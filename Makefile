@@ -11,7 +11,7 @@ SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
 export PYTHON LIGGGHTS_ROOT NO_APT
 
-.PHONY: help setup run test lint bench-dem doctor test-fresh lock clean
+.PHONY: help setup run test verification lint bench-dem bench-column doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -27,11 +27,17 @@ test: setup lint ## set up, then run lint and every test but the slow ones
 	ctest --test-dir build/liggghts_models --output-on-failure
 	.venv/bin/python -m pytest -m "not slow" tests
 
+verification: setup ## compare with theory and references at length, draw docs/images/verification
+	.venv/bin/python -m pytest -m verification --figures tests/verification
+
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh
 
 bench-dem: setup ## time the element model beside stock LIGGGHTS, on 1 and 2 ranks
 	.venv/bin/python benchmarks/dem.py
+
+bench-column: setup ## time the column's schemes, over threads and columns
+	.venv/bin/python benchmarks/column.py
 
 doctor: ## say what is there and what is missing, and try a probe of the plugin
 	@setup/doctor.sh

@@ -210,8 +210,10 @@ class Engine:
         return out
 
     def _open(self) -> None:
-        if not self.log.parent.is_dir():
-            raise FloeError(f"The folder {self.log.parent} for LIGGGHTS' log does not exist.")
+        # LIGGGHTS opens its log while it is half built, where a fault cannot be survived.
+        fault = self.comm.bcast(_open_fault(self.log) if self.comm.rank == 0 else None)
+        if fault:
+            raise EngineError(f"{self.log}: LIGGGHTS' log cannot be written: {fault}.")
         words = ["liggghts", "-screen", "none", "-log", str(self.log)]
         arguments = (ctypes.c_char_p * len(words))(*(word.encode() for word in words))
         handle = ctypes.c_void_p(MPI._addressof(self.comm))
@@ -282,3 +284,12 @@ def log_tail(log: Path, lines: int = 5) -> str:
     except OSError:
         return ""
     return "".join(f"\n  {line}" for line in [f"(tail of {log})", *tail])
+
+
+def _open_fault(log: Path) -> str | None:
+    """Why a log cannot be written; None if it can."""
+    try:
+        log.open("a").close()
+    except OSError as error:
+        return error.strerror or type(error).__name__
+    return None

@@ -95,6 +95,8 @@ class EngineParams:
             value = getattr(self, item.name)
             if isinstance(value, bool | str) or value is None:
                 continue
+            # NumPy's scalars do not print as the plain numbers that LIGGGHTS reads.
+            object.__setattr__(self, item.name, float(value))
             if not math.isfinite(value):
                 raise FloeError(f"{item.name} must be finite, not {value}.")
             if item.name in positive and value <= 0:

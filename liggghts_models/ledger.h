@@ -17,6 +17,7 @@ struct Ledger {
   double impulse_coriolis_x = 0.0, impulse_coriolis_y = 0.0;
   double impulse_tilt_x = 0.0, impulse_tilt_y = 0.0;
   double impulse_fixed_x = 0.0, impulse_fixed_y = 0.0;       // taken up by fixed elements
+  double impulse_wall_x = 0.0, impulse_wall_y = 0.0;         // given by walls
   double dissipation_bond = 0.0, dissipation_contact = 0.0;  // J
   double dissipation_friction = 0.0, dissipation_fracture = 0.0, dissipation_ridging = 0.0;
   double bonds_cracked = 0.0, bonds_broken = 0.0;  // counts
@@ -26,7 +27,8 @@ inline const char *ledger_names() {
   return "work_wind work_ocean work_coriolis work_tilt work_contact work_spin "
          "impulse_wind_x impulse_wind_y impulse_ocean_x impulse_ocean_y "
          "impulse_coriolis_x impulse_coriolis_y impulse_tilt_x impulse_tilt_y "
-         "impulse_fixed_x impulse_fixed_y dissipation_bond dissipation_contact "
+         "impulse_fixed_x impulse_fixed_y impulse_wall_x impulse_wall_y dissipation_bond "
+         "dissipation_contact "
          "dissipation_friction dissipation_fracture dissipation_ridging bonds_cracked bonds_broken";
 }
 

@@ -21,6 +21,7 @@
 #include "modify.h"
 #include "pair_floe.h"
 #include "pair_gran_proxy.h"
+#include "wall_floe.h"
 
 using namespace LAMMPS_NS;
 
@@ -59,6 +60,10 @@ LIGGGHTS::PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *, s
   return new PairFloe(lmp, hash);
 }
 
+LIGGGHTS::Walls::IGranularWall *create_wall(LAMMPS *lmp, FixWallGran *, std::int64_t) {
+  return new WallFloe(lmp);
+}
+
 void bond_command(LAMMPS *lmp, int narg, char **arg) { BondCommand(lmp).command(narg, arg); }
 
 Fix *create_fix(LAMMPS *lmp, int narg, char **arg) { return new FixFloeIntegrate(lmp, narg, arg); }
@@ -69,6 +74,7 @@ void register_pair() {
   models.addNormalModel("floe", normal_model_id);
   constexpr std::int64_t hash = LIGGGHTS::ContactModels::GranStyle<normal_model_id>::HASHCODE;
   LIGGGHTS::PairStyles::Factory::instance().addStyle("gran", hash, create_pair);
+  LIGGGHTS::Walls::Factory::instance().addStyle("gran", hash, create_wall);
 }
 
 }  // namespace

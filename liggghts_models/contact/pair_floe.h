@@ -53,6 +53,13 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
     return kovacs_sodhi ? kovacs_sodhi_strength(thickness) : compressive;
   }
   int history_size() const;
+  RidgeForce ridging_force(const Ridge &r) const {
+    return ridge_force(ridge, compressive_strength(r.thickness), r);
+  }
+  double ridging_limit(const Ridge &r) const { return r.length * ridging_force(r).force; }
+  double close_ridge(double stiffness, double span, double overlap, Ridge &r) const {
+    return ridge_closing(ridging_force(r), stiffness, span, overlap, r);
+  }
   // Share of a contact's closed area that element i gives; a fixed one gives nothing.
   double share_of(int i, int j) const;
   // Fills the slots of a bond that follow from its others and from its elements i and j.
@@ -85,13 +92,6 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   // energy (J) in compression at that moment. Returns the elastic energy of the contact, J.
   double take_over(int &flag, double *history, int i, int j, double overlap, double force,
                    double energy) const;
-  RidgeForce ridging_force(const Ridge &r) const {
-    return ridge_force(ridge, compressive_strength(r.thickness), r);
-  }
-  double ridging_limit(const Ridge &r) const { return r.length * ridging_force(r).force; }
-  double close_ridge(double stiffness, double span, double overlap, Ridge &r) const {
-    return ridge_closing(ridging_force(r), stiffness, span, overlap, r);
-  }
   double reduced_mass(int i, int j) const;
   std::vector<Body> bodies_;  // of elements and ghosts
   std::vector<Load> loads_;

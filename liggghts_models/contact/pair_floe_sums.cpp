@@ -15,11 +15,6 @@ using namespace LAMMPS_NS;
 
 namespace floe {
 
-namespace {
-// Side of a hexagon over the diameter of the circle inside it: how long discs touch that tile a plane.
-constexpr double edge_share = 0.577350269189626;
-}  // namespace
-
 // An element that never moves takes part like an infinitely heavy one. In the order of the ids, so
 // that both sides of a rank boundary find the same bits.
 double PairFloe::reduced_mass(int i, int j) const {

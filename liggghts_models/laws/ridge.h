@@ -14,6 +14,9 @@
 
 namespace floe {
 
+// Side of a hexagon over the diameter of the circle inside it: how long discs touch that tile a plane.
+constexpr double edge_share = 0.577350269189626;
+
 struct RidgeMaterial {
   double start;      // force per contact length over ridge thickness, N/m2
   double hardening;  // its growth with closing over squared ridge thickness, N/m4

@@ -363,10 +363,10 @@ def test_what_cannot_be_is_refused(log: Path, tmp_path: Path) -> None:
     with Engine(SELF, strong, log) as engine:
         assert "beyond the 4 that neighbour lists cover" in refusal(engine, raft, table)
     with Engine(SELF, EngineParams(time_step=1.0), tmp_path / "no" / "log") as engine:
-        assert "for LIGGGHTS' log does not exist" in refusal(engine, raft)
+        assert "log cannot be written: No such file" in refusal(engine, raft)
     (tmp_path / "log").mkdir()
     with Engine(SELF, EngineParams(time_step=1.0), tmp_path / "log") as engine:
-        assert "LIGGGHTS: Cannot open" in refusal(engine, raft)
+        assert "log cannot be written: Is a directory" in refusal(engine, raft)
     with Engine(SELF, EngineParams(time_step=1.0, wind=True), log) as engine:
         engine.load(raft)
         with pytest.raises(FloeError, match="need forcing"):
@@ -389,6 +389,13 @@ def test_bad_parameters_are_refused(key: str, value: float, sentence: str) -> No
     with pytest.raises(FloeError) as caught:
         EngineParams(**{"time_step": 1.0, key: value})
     assert str(caught.value) == sentence
+
+
+def test_numbers_of_numpy_are_numbers(log: Path) -> None:
+    params = EngineParams(time_step=np.float64(1.0), contact_damping=np.float64(0.0))
+    with Engine(SELF, params, log) as engine:
+        engine.load(lattice(2, 1))
+        engine.run(1)
 
 
 def test_a_missing_plugin_is_one_sentence(monkeypatch: pytest.MonkeyPatch, log: Path) -> None:
