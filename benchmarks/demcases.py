@@ -18,6 +18,7 @@ from mpi4py import MPI
 
 from floeflow.dynamics.bondtable import Arrays, new_bonds
 from floeflow.dynamics.engine import Engine, EngineParams
+from floeflow.dynamics.enginesetup import PLANE
 from floeflow.dynamics.pluginlib import load_plugin, quiet_errors
 from floeflow.errors import FloeError
 
@@ -211,14 +212,7 @@ def _stock_commands(data: Path, elements: Arrays) -> list[str]:
         "coefficientFriction": p.friction_coefficient,
     }
     return [
-        "units si",
-        "dimension 2",
-        "atom_style granular",
-        "atom_modify sort 1000 0",
-        "boundary m m p",
-        "newton off",
-        "communicate single vel yes",
-        "processors * * 1",
+        *PLANE,
         f"read_data {data}",
         f"neighbor {SKIN!r} bin",
         "neigh_modify delay 0 every 1 check yes",

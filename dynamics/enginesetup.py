@@ -16,6 +16,18 @@ LONGEST_REACH = 4.0
 # Steps that a neighbour list should last, and the speed (m/s) that ice driven by wind reaches.
 LIST_LIFE = 300
 DRIFT_SPEED = 0.3
+# Discs in a plane, in the order of their places; ghosts carry velocities.
+PLANE = (
+    "units si",
+    "dimension 2",
+    "atom_style granular",
+    "atom_modify sort 1000 0",
+    # The box follows the elements and is at least what it is now: none can leave it.
+    "boundary m m p",
+    "newton off",
+    "communicate single vel yes",
+    "processors * * 1",
+)
 
 
 def setup_commands(elements: Arrays, params: EngineParams, reach: float) -> list[str]:
@@ -35,15 +47,7 @@ def setup_commands(elements: Arrays, params: EngineParams, reach: float) -> list
     low = [float(elements[axis].min()) - margin for axis in ("x", "y")]
     high = [float(elements[axis].max()) + margin for axis in ("x", "y")]
     return [
-        "units si",
-        "dimension 2",
-        "atom_style granular",
-        "atom_modify sort 1000 0",
-        # The box follows the elements and is at least what it is now: none can leave it.
-        "boundary m m p",
-        "newton off",
-        "communicate single vel yes",
-        "processors * * 1",
+        *PLANE,
         # As deep as wide neighbourhoods: LIGGGHTS refuses to bin a flat box.
         f"region box block {low[0]!r} {high[0]!r} {low[1]!r} {high[1]!r}"
         f" {-margin!r} {margin!r} units box",
