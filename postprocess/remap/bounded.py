@@ -166,7 +166,7 @@ def _adder(group: Index | None, size: int, groups: int, ranks: Ranks) -> Callabl
     if group.shape != (size,) or (size and not (0 <= group.min() and group.max() < groups)):
         raise FloeError(f"bounded: each of {size} values needs a group from 0 to {groups - 1}")
     if groups > FEW_GROUPS:
-        return lambda term: ranks.add(np.bincount(group, term, groups))
+        return lambda term: ranks.add(np.bincount(group, term, groups).astype(np.float64))
     rows = [np.flatnonzero(group == g) for g in range(groups)]
     return lambda term: ranks.add(np.array([term[row].sum() for row in rows]))
 
