@@ -3,7 +3,7 @@
 
 An accurate transfer need not conserve, and a conservative one need not stay within the values of
 its sources. Both are put right afterwards at the least cost (optimization-based remap; Turner,
-Peterson and Bolintineanu, GMD 15, 2022; Bochev, Ridzal and Peterson, J. Comput. Phys. 257, 2013):
+Peterson and Bolintineanu, GMD 15, 2022; Bochev, Ridzal and Peterson, J. Comput. Phys. 257, 2014):
 
     minimize sum q (x - target)^2  with  sum w x = total  and  low <= x <= high.
 
