@@ -68,10 +68,14 @@ def in_turn(repeats: int, *works: Callable[[], object]) -> list[list[float]]:
     return [list(column) for column in zip(*rows, strict=True)]
 
 
-def _bytes_per_element(weights: Weights) -> float:
-    matrix = weights.matrix
-    parts = (matrix.data, matrix.indices, matrix.indptr, weights.status, weights.condition)
-    return sum(part.nbytes for part in parts) / matrix.shape[1]
+def _memory(weights: Weights, x: Array, y: Array) -> dict[str, float]:
+    """Bytes per element of the weights, and of them with the pairs that building needs."""
+    matrix, pairs = weights.matrix, weights.target.pairs(x, y)
+    parts = [matrix.data, matrix.indices, matrix.indptr, weights.status, weights.condition]
+    kept = sum(part.nbytes for part in parts) / len(x)
+    columns = (pairs.start, pairs.element, pairs.hat, pairs.xi, pairs.eta)
+    whole = kept + sum(column.nbytes for column in columns) / len(x)
+    return {"bytes_per_element": kept, "build_bytes_per_element": whole}
 
 
 def elements_to_grid(count: int, repeats: int) -> list[Record]:
@@ -82,7 +86,7 @@ def elements_to_grid(count: int, repeats: int) -> list[Record]:
     matrix, nodes = weights.matrix, weights.status.size
     node = np.repeat(np.arange(nodes), np.diff(matrix.indptr))
     shares = matrix.data * field[matrix.indices]
-    extra = {"per_cell": PER_CELL, "bytes_per_element": _bytes_per_element(weights)}
+    extra = {"per_cell": PER_CELL, **_memory(weights, x, y)}
     many = max(repeats, 5)
     own, peer = in_turn(
         many, lambda: weights.apply(field), lambda: np.bincount(node, shares, nodes)
