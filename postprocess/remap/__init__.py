@@ -3,7 +3,8 @@
 
 `weights` averages (moving least squares), `bins` adds up (conservative), `fields` says which of
 the two a quantity needs, `carry` brings a hierarchy of fields over with exact totals and within
-bounds, `samples` goes from grids to elements and back. docs/theory/remap.md has the equations.
+bounds, `samples` goes from grids to elements and back, `readers` reads other programs' meshes
+(imported by name only: it brings meshio along). docs/theory/remap.md has the equations.
 """
 
 from floeflow.postprocess.remap.bins import Bins, Room, build_bins, build_room, open_room

@@ -174,7 +174,8 @@ def _fill(
     bare = np.flatnonzero(np.diff(matrix.indptr) == 0)
     if not len(bare):
         return matrix
-    places, known = np.stack(target.places(), axis=1), np.flatnonzero(valid)
+    places = np.stack(target.places(), axis=1)
+    known = np.flatnonzero(valid & np.isfinite(places).all(axis=1))
     away, nearest = cKDTree(places[known]).query(np.stack([x[bare], y[bare]], axis=1))
     near = away <= far
     rows, columns = bare[near], known[nearest[near]]
