@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from itertools import cycle
+
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PatchCollection
@@ -15,8 +17,8 @@ Curves = dict[str, tuple[np.ndarray, np.ndarray]]
 def curves(lines: Curves, points: Curves, x: str, y: str, scale: str = "linear") -> Figure:
     """Lines for theory and this model, points for other programs; named in the legend."""
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
-    for name, (a, b) in lines.items():
-        axes.plot(a, b, label=name)
+    for (name, (a, b)), style in zip(lines.items(), cycle(("-", "--", ":", "-."))):
+        axes.plot(a, b, linestyle=style, label=name)
     # Rings first, so that what coincides is seen.
     for name, (a, b) in points.items():
         ring = len(points) > 1 and name == next(iter(points))
