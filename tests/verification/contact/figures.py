@@ -7,6 +7,7 @@ from itertools import cycle
 
 import matplotlib.pyplot as plt
 import numpy as np
+import xarray as xr
 from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -61,4 +62,23 @@ def vortex(demsi: np.ndarray, ours: np.ndarray) -> Figure:
         axes.set_title(name)
         axes.set_xlabel("x (km)")
     both[0].set_ylabel("y (km)")
+    return figure
+
+
+def shaded(state: xr.Dataset, values: np.ndarray, label: str) -> Figure:
+    """Discs, darker where a value (n,) is larger; fixed ones are hatched."""
+    figure, axes = plt.subplots(figsize=(6.4, 5.2), layout="constrained")
+    fixed = state["type"].values == 2
+    x, y, r = (state[name].values / 1e3 for name in ("x", "y", "radius"))
+    discs = [Circle(place, size) for *place, size in zip(x, y, r, strict=True)]
+    ice = PatchCollection([d for d, f in zip(discs, fixed, strict=True) if not f], cmap="viridis_r")
+    ice.set_array(values[~fixed])
+    axes.add_collection(ice)
+    land = [d for d, f in zip(discs, fixed, strict=True) if f]
+    axes.add_collection(PatchCollection(land, facecolor="0.8", edgecolor="black", hatch="///"))
+    axes.autoscale_view()
+    axes.set_aspect("equal")
+    axes.set_xlabel("x (km)")
+    axes.set_ylabel("y (km)")
+    figure.colorbar(ice, ax=axes, label=label)
     return figure
