@@ -28,6 +28,7 @@ Index = NDArray[np.int64]
 # A total is met when it differs by less than this share of the largest that the bounds allow.
 TOLERANCE = 1e-15
 PASSES = 300
+POLISHES = 2
 # Up to so many groups are added up one by one (pairwise, with less round-off), more in one pass.
 FEW_GROUPS = 32
 
@@ -152,9 +153,37 @@ def nearest_bounded(
     values = at(best)
     for outside, bound in ((totals <= least, low), (totals >= most, high)):
         values = np.where(outside[member] & held, bound, values)
+    values = _polished(
+        values, low, high, weight, pull, np.where(inside, totals, np.nan), member, add
+    )
     shift = np.select([inside, totals <= least], [best, -np.inf], np.inf)
     missing = totals - add(weight * values)
     return Bounded(values, shift, missing, np.abs(missing) <= 1e3 * tolerance)
+
+
+def _polished(
+    values: Array,
+    low: Array,
+    high: Array,
+    weight: Array,
+    pull: Array,
+    totals: Array,
+    member: Index,
+    add: Callable[[Array], Array],
+) -> Array:
+    """Take out the round-off of targets that lie far outside of their bounds.
+
+    A shift that brings those back has few digits left for the others. What is missing then is
+    spread over the values that have room for it. Groups whose total is NaN stay as they are.
+    """
+    for _ in range(POLISHES):
+        miss = np.nan_to_num(totals - add(weight * values))
+        room = np.where(miss[member] > 0.0, values < high, values > low)
+        slope = add(weight * pull * room)
+        change = np.divide(miss, slope, out=np.zeros_like(miss), where=slope > 0.0)
+        moved = values + change[member] * pull * room
+        values = np.minimum(np.maximum(moved, low), high)
+    return values
 
 
 def _adder(group: Index | None, size: int, groups: int, ranks: Ranks) -> Callable[[Array], Array]:
