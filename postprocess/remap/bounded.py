@@ -178,7 +178,7 @@ def _polished(
     """
     for _ in range(POLISHES):
         miss = np.nan_to_num(totals - add(weight * values))
-        room = np.where(miss[member] > 0.0, values < high, values > low)
+        room = (values > low) & (values < high)
         slope = add(weight * pull * room)
         change = np.divide(miss, slope, out=np.zeros_like(miss), where=slope > 0.0)
         moved = values + change[member] * pull * room
