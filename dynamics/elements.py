@@ -107,7 +107,8 @@ def moved_state(
 def thin_bonds(state: xr.Dataset) -> xr.Dataset:
     """Let bonds be no thicker than the ice beside them: melt weakens, growth does not heal.
 
-    The series thickness of a pair is that of the thinner element.
+    The series thickness of a pair is that of the thinner element. Where its ice has melted out
+    nothing is left of a bond.
     """
     if "bond_thickness" not in state:
         return state
@@ -116,4 +117,4 @@ def thin_bonds(state: xr.Dataset) -> xr.Dataset:
     lo = thickness[np.searchsorted(ids, state["bond_id_lo"].values)]
     hi = thickness[np.searchsorted(ids, state["bond_id_hi"].values)]
     now = np.minimum(state["bond_thickness"].values, np.minimum(lo, hi))
-    return state.assign(bond_thickness=("bond", now))
+    return state.assign(bond_thickness=("bond", now)).isel(bond=np.flatnonzero(now > 0))

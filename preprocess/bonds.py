@@ -66,9 +66,9 @@ def coast_edges(packing: xr.Dataset) -> Edges:
         none = np.empty(0, dtype=np.int64)
         return Edges(none, none, np.empty((0, 4)))
     side = float(max(np.ptp(x), np.ptp(y))) + 2.0 * float(radius.max())
-    corner = x.min() - radius.max(), y.min() - radius.max()
-    middle = (np.array([c + 0.5 * side]) for c in corner)
-    diagram = power_diagram(np.column_stack([x, y]), radius, Grid(*middle, side, *corner))
+    left, low = float((x - radius).min()), float((y - radius).min())
+    whole = Grid(np.array([left + 0.5 * side]), np.array([low + 0.5 * side]), side, left, low)
+    diagram = power_diagram(np.column_stack([x, y]), radius, whole)
     both = coast[diagram.lo] != coast[diagram.hi]
     lo, hi, ends = diagram.lo[both], diagram.hi[both], diagram.ends[both]
     # The radical axis crosses the line of centres where both discs have the same power.
@@ -140,7 +140,8 @@ def make_bonds(
     elements = {name: packing[name].values for name in ("id", "x", "y")}
     elements["theta"] = np.zeros(len(elements["id"]))
     thinner = np.minimum(thickness[lo], thickness[hi])
-    table = new_bonds(elements, lo + 1, hi + 1, *ends.T, thinner)
+    ax, ay, bx, by = ends.T
+    table = new_bonds(elements, lo + 1, hi + 1, ax, ay, bx, by, thinner)
     names = {name: f"bond_{name}" for name in table}
     assert all(name in VARIABLES for name in names.values())
     log.info(
