@@ -82,3 +82,22 @@ def shaded(state: xr.Dataset, values: np.ndarray, label: str) -> Figure:
     axes.set_ylabel("y (km)")
     figure.colorbar(ice, ax=axes, label=label)
     return figure
+
+
+def bonded(states: dict[str, xr.Dataset]) -> Figure:
+    """Mobile and fixed elements, with the bonds that hold, one picture below the other."""
+    figure, column = plt.subplots(
+        len(states), 1, figsize=(6.4, 4.6), layout="constrained", sharex=True, sharey=True
+    )
+    for axes, (name, state) in zip(column, states.items(), strict=True):
+        x, y, r = (state[key].values / 1e3 for key in ("x", "y", "radius"))
+        colour = np.where(state["type"].values == 2, "0.35", "0.85")
+        discs = [Circle(place, size) for *place, size in zip(x, y, r, strict=True)]
+        axes.add_collection(PatchCollection(discs, facecolor=colour))
+        lo, hi = (state[f"bond_id_{end}"].values - 1 for end in ("lo", "hi"))
+        axes.plot([x[lo], x[hi]], [y[lo], y[hi]], "-", color="C0", linewidth=0.8)
+        axes.set_aspect("equal")
+        axes.set_title(name)
+        axes.set_ylabel("y (km)")
+    column[-1].set_xlabel("x (km)")
+    return figure
