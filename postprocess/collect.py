@@ -84,7 +84,7 @@ def read_series(
     for window in windows:
         path = window_file(folder, window, ".nc")
         data = read_dataset(path)
-        for name in _expected(effects):
+        for name in expected_series(effects):
             if name not in data:
                 raise FloeError(f"{path}: variable '{name}' is missing")
         data.attrs = {}
@@ -98,7 +98,8 @@ def read_series(
     return xr.concat(samples, "sample", join="exact", combine_attrs="drop_conflicts"), joined
 
 
-def _expected(effects: tuple[str, ...]) -> list[str]:
+def expected_series(effects: tuple[str, ...]) -> list[str]:
+    """Variables of a series that a scene with these effects must hold."""
     names = [*SAMPLED, *SCALARS]
     for series in diagnostic_series(effects):
         if series.startswith("impulse_"):

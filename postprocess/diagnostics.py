@@ -252,7 +252,7 @@ def diagnose(
     samples, scalars = read_series(folder / "series", windows, effects)
     boundaries, states = summarise_states(folder / "state", windows, effects)
     costs = read_cost(folder / "cost", windows)
-    gridded = summarise_grids(sorted(grids))
+    gridded = summarise_grids(sorted(grids)) if grids else xr.Dataset()
     budgets = close_budgets(samples, scalars, boundaries, gridded, effects)
     seconds = cost_by_stage(costs, np.asarray(windows))
     data = assemble(samples, scalars, boundaries, gridded, budgets, seconds)
