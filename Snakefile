@@ -23,6 +23,7 @@ include: "workflows/rules/postprocess.smk"
 include: "workflows/rules/export.smk"
 include: "workflows/rules/studies.smk"
 include: "workflows/rules/ablation.smk"
+include: "workflows/rules/accuracy.smk"
 
 
 rule all:

@@ -42,7 +42,7 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
     data = scene.model_dump(mode="json")
     if "thermodynamics" not in scene.effects:
         data.pop("column")
-    values = {}
+    values: dict[str, Any] = {}
     for path in STAGE_KEYS[stage]:
         if path == FORCING_VARIABLES:
             values[path] = list(forcing_variables(scene.effects))

@@ -25,7 +25,8 @@ def ablation_figure(study: Ablation) -> Figure:
     """Two panels over the effects, the most influential at the top.
 
     Left: influence (logarithmic), measured as filled and estimated as open marks, joined by a line;
-    shaded is what chaos alone makes. Right: share of the CPU time saved by leaving the effect out.
+    shaded is what chaos alone makes. Right: share of the work (CPU time of element model and
+    column) saved by leaving the effect out.
     """
     rows = sorted(study.rows, key=lambda row: row.share if np.isfinite(row.share) else np.inf)
     places = np.arange(len(rows))
@@ -54,7 +55,8 @@ def ablation_figure(study: Ablation) -> Figure:
         left.set_xlabel("Influence: change relative to what happens in the run (1)")
         left.set_yticks(places, [row.name for row in rows])
         left.legend(loc="lower right")
-        right.barh(places, [100 * r.saving for r in rows], 0.62, color=SKY, label="measured")
+        saved = [100 * np.nan_to_num(r.saving) for r in rows]
+        right.barh(places, saved, 0.62, color=SKY, label="measured")
         right.plot(
             [100 * row.estimated_saving for row in rows],
             places,
@@ -64,7 +66,7 @@ def ablation_figure(study: Ablation) -> Figure:
             label="estimated",
         )
         right.axvline(0, color=FAINT, linewidth=0.8)
-        right.set_xlabel("CPU time saved without it (%)")
+        right.set_xlabel("Work saved without it (%)")
         right.legend(loc="lower right")
         for axes in (left, right):
             axes.grid(axis="x", color=FAINT, alpha=0.25, linewidth=0.6)

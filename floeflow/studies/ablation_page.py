@@ -10,7 +10,7 @@ from floeflow.estimate.choose import OUTPUT, scene_estimates
 from floeflow.postprocess.diagnostics import write_json
 from floeflow.postprocess.report import write_text
 from floeflow.studies.ablation_figure import ablation_figure
-from floeflow.studies.ablation_table import Ablation, ablation_table, predicted_saving
+from floeflow.studies.ablation_table import Ablation, ablation_table
 from floeflow.studies.page import Table, draw, render_study
 
 LEAD = (
@@ -20,7 +20,8 @@ LEAD = (
 )
 HEAD = (
     *("effect", "positions (km)", "volume (m)", "area (%)"),
-    *("influence (%)", "estimated (%)", "saved (%)", "estimated (%)", "element-steps", "advice"),
+    *("influence (%)", "estimated (%)", "work saved (%)", "estimated (%)", "run saved (%)"),
+    *("element-steps", "advice"),
 )
 
 
@@ -37,12 +38,16 @@ def effect_table(study: Ablation) -> Table:
             100 * row.estimated_share,
             100 * row.saving,
             100 * row.estimated_saving,
+            100 * row.run_saving,
             row.element_steps,
             row.fault or row.advice,
         )
         for row in rows
     ]
-    note = "Element-steps: without the effect, relative to the base run."
+    note = (
+        "Work: CPU time of element model and column; run: all CPU time, start of programs included. "
+        "Element-steps: without the effect, relative to the base run."
+    )
     return Table("Effects, measured and estimated", HEAD, cells, note)
 
 
@@ -52,17 +57,16 @@ def sentences(study: Ablation, scene: Scene) -> list[str]:
         f"Rank correlation of estimated and measured influence: {study.rank:.2f} "
         f"({sum(row.name not in OUTPUT for row in study.rows)} effects).",
         f"Chaos alone (a nudge of 1e-9) has an influence of {100 * study.floor:.2g} %; "
-        f"CPU times of the same run differ by {100 * study.noise:.2g} %.",
+        f"the work of the same run differs by {100 * study.noise:.2g} %.",
         f"The base run took {study.cpu_seconds:.3g} s of CPU time, "
-        f"{study.cpu_dynamics:.3g} s of it in the element model.",
+        f"{study.work_seconds:.3g} s of it work (element model and column).",
     ]
     if study.lean:
         gone = [name for name in scene.effects if name not in study.lean]
         said.append(
             f"Without what the estimate calls not needed ({', '.join(gone)}) the run saves "
-            f"{100 * study.lean_saving:.3g} % of its CPU time (each alone adds up to "
-            f"{100 * study.lean_profile:.3g} %, the cost model says "
-            f"{100 * predicted_saving(scene, study.lean):.3g} %) and moves the results by "
+            f"{100 * study.lean_saving:.3g} % of its work (the cost model says "
+            f"{100 * study.lean_profile:.3g} %) and moves the results by "
             f"{100 * study.lean_share:.3g} %."
         )
     return said
@@ -72,7 +76,7 @@ def main(snakemake: stage.Snakemake) -> None:
     """Rule ``ablation_page``."""
     scene = stage.scene(snakemake)
     records = [json.loads(Path(path).read_text()) for path in snakemake.input.records]
-    study = ablation_table(records, scene_estimates(scene))
+    study = ablation_table(scene, records, scene_estimates(scene))
     write_json(study.as_dict(), Path(str(snakemake.output.table)))
     caption = (
         "Influence of each effect (shaded: chaos alone; dashed: needed above) and CPU time saved "

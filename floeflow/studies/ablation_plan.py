@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from floeflow.config import Scene
 from floeflow.effects import EFFECTS, check_effects
 from floeflow.estimate.influence import without
@@ -32,7 +34,7 @@ def ablation_variants(scene: Scene) -> list[Variant]:
         runs.append(Variant(f"repeat-{k}", nudged, "repeat", f"again, nudged ({k})"))
     for name in scene.effects:
         left = check_effects(sorted(without(scene.effects, name)))
-        changes = {"effects": list(left)}
+        changes: dict[str, Any] = {"effects": list(left)}
         if name == "turning_angle" and "turning_angle" in scene.dynamics.model_fields_set:
             changes["dynamics.turning_angle"] = type(scene.dynamics)().turning_angle
         runs.append(Variant(f"no_{name}", changes, name, f"without {name}"))

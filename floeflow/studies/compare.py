@@ -10,12 +10,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 from scipy.spatial import cKDTree
 
+from floeflow.estimate.cost import WORK
 from floeflow.postprocess.collect import displacement, intact, lost_pairs, mean
 from floeflow.state import read_state
 
@@ -131,6 +133,11 @@ def differences(base: RunEnds, other: RunEnds) -> dict[str, float]:
 
 def _relative(value: float, reference: float) -> float:
     return (value - reference) / reference if reference else float(value != 0.0)
+
+
+def work(record: Mapping[str, Any]) -> float:
+    """CPU seconds of element model and column of a run's record."""
+    return sum(float(record["cpu"].get(part, 0.0)) for part in WORK)
 
 
 def scales(run: RunEnds) -> Mapping[str, float]:

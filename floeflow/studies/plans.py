@@ -7,10 +7,12 @@ from collections.abc import Callable
 
 from floeflow.config import Scene
 from floeflow.studies.ablation_plan import ablation_variants
+from floeflow.studies.accuracy_plan import accuracy_variants
 from floeflow.studies.variants import Variant
 
 STUDIES: dict[str, Callable[[Scene], list[Variant]]] = {
     "ablation": ablation_variants,
+    "accuracy": accuracy_variants,
 }
 
 

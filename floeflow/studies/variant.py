@@ -32,7 +32,7 @@ def results_of(base: Scene, variant: Scene, outcome: Outcome) -> dict[str, Any]:
         return {}
     ends = read_ends(Path("results") / variant.name)
     reference = read_ends(Path("results") / base.name)
-    found = {
+    found: dict[str, Any] = {
         "scales": dict(scales(reference)),
         "differences": differences(reference, ends),
         "drift": mean_drift(ends),

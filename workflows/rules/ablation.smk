@@ -20,7 +20,7 @@ rule ablation_page:
         records=ablation_records,
     output:
         page="results/{scene}/ablation.html",
-        table="results/{scene}/ablation/ablation.json",
+        table="results/{scene}/ablation/ablation.table.json",
         figures=directory("results/{scene}/ablation/figures"),
     log:
         "results/{scene}/log/ablation.log",
