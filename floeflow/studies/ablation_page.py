@@ -45,7 +45,7 @@ def effect_table(study: Ablation) -> Table:
         for row in rows
     ]
     note = (
-        "Work: CPU time of element model and column; run: all CPU time, start of programs included. "
+        "Work: CPU time of element model and column; run: all CPU time, programs' start included. "
         "Element-steps: without the effect, relative to the base run."
     )
     return Table("Effects, measured and estimated", HEAD, cells, note)
