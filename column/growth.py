@@ -220,7 +220,7 @@ def settle(w, first, p):
         snow, drowned = 0.0, snow
     if ice <= 0.0:
         return 0.0, 0.0, 0.0, drowned, energy
-    if not p.mushy:
+    if p.flooding and not p.mushy:
         snow_ice = flood(w, first, ice, snow, p)
     snow = even_out(w, 0, first, False)
     ice = even_out(w, first, w.thickness.size, p.mushy)
