@@ -102,6 +102,8 @@ def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
     if p.ponds and change.ice > 0.0:
         c.surface[n] = found.temperature
         melted = p.ice_density * change.melt_top + p.snow_density * change.melt_snow
+        if p.mushy:
+            melted += p.snow_density * change.drowned
         warm = f[r.POTENTIAL_TEMPERATURE] - KELVIN
         evolve(
             c, n, w, first, change.ice, change.snow, melted, f[r.RAIN] * dt, warm, found.net, dt,
