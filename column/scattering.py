@@ -4,9 +4,9 @@
 
 Briegleb and Light (2007), Briegleb (1992); numbers of equations are those of
 docs/theory/column_light.md. A layer reflects and transmits the sun's beam and diffuse light;
-diffuse light is the beam's solution averaged over eight directions, because the two-stream formula for it
-may come out negative. Refraction where light enters water or clear ice is a layer of its own kind
-on top of that layer.
+diffuse light is the beam's solution averaged over eight directions, because the two-stream formula
+for it may come out negative. Refraction where light enters water or clear ice is a layer of its own
+kind on top of that layer.
 """
 
 from __future__ import annotations
