@@ -21,6 +21,7 @@ from floeflow.dynamics.bondtable import (
     empty_pairs,
 )
 from floeflow.dynamics.enginechecks import check_bonds, check_contacts, check_elements
+from floeflow.dynamics.enginelog import log_tail, open_fault
 from floeflow.dynamics.engineparams import EngineParams, Forcing
 from floeflow.dynamics.enginesetup import bond_reach, contact_reach, setup_commands
 from floeflow.dynamics.enginetables import (
@@ -31,6 +32,15 @@ from floeflow.dynamics.enginetables import (
     get_pairs,
     missing_pairs,
     put_pairs,
+)
+from floeflow.dynamics.enginewalls import (
+    FIX,
+    check_wall_contacts,
+    count_walls,
+    get_wall_contacts,
+    put_wall_contacts,
+    set_walls,
+    wall_impulses,
 )
 from floeflow.dynamics.pluginlib import load_plugin, quiet_errors
 from floeflow.errors import FloeError
@@ -56,10 +66,14 @@ class Engine:
         Laws, switches and time step.
     log : Path
         File for LIGGGHTS' own log, written by the first rank.
+    walls : dict of ndarray, optional
+        Faces of walls, as from `floeflow.dynamics.walls`.
     """
 
-    def __init__(self, comm: MPI.Comm, params: EngineParams, log: Path) -> None:
-        self.comm, self.params, self.log = comm, params, Path(log)
+    def __init__(
+        self, comm: MPI.Comm, params: EngineParams, log: Path, walls: Arrays | None = None
+    ) -> None:
+        self.comm, self.params, self.log, self.walls = comm, params, Path(log), walls
         self._library = load_plugin()
         self._instance = ctypes.c_void_p()
         self._steps = 0
@@ -91,6 +105,7 @@ class Engine:
         bonds: Arrays | None = None,
         contacts: Arrays | None = None,
         time: float = 0.0,
+        wall_contacts: Arrays | None = None,
     ) -> None:
         """Open LIGGGHTS with a state.
 
@@ -107,6 +122,9 @@ class Engine:
             ridge_thickness and ridge_length (m).
         time : float
             Time of this state on the forcing's axis, s.
+        wall_contacts : dict of ndarray, shape (nw,), optional
+            id, face, and the columns of a contact. Absent: none, and ice that overlaps a wall is
+            pushed out.
 
         Raises
         ------
@@ -120,6 +138,9 @@ class Engine:
         check_elements(elements)
         check_bonds(elements, bonds)
         check_contacts(elements, bonds, contacts, self.params.contact_columns)
+        if self.walls is not None and wall_contacts is not None:
+            columns = self.params.contact_columns
+            check_wall_contacts(self.walls, elements, wall_contacts, columns)
         reach = max(
             bond_reach(elements, bonds, self.params), contact_reach(elements, contacts, self.params)
         )
@@ -131,8 +152,13 @@ class Engine:
             self._command(line)
         self._check(create_elements(self._library, self._instance, elements))
         self._library.floe_set_start_time(self._instance, self._start)
+        if self.walls is not None:
+            self._command(FIX)
+            self._check(set_walls(self._library, self._instance, self.walls))
         self._command("run 0 post no")
         self._put_pairs(bonds, contacts)
+        if self.walls is not None and wall_contacts is not None:
+            self._check(put_wall_contacts(self._library, self._instance, wall_contacts))
         self._command("run 0 post no")  # forces with the pairs
         if self._forcing is not None:
             self.set_forcing(self._forcing)
@@ -187,6 +213,16 @@ class Engine:
         """Contact history, sorted by (id_lo, id_hi), on every rank."""
         return self._pairs()[1]
 
+    def wall_contacts(self) -> Arrays:
+        """History of contacts with walls, sorted by (id, face), on every rank."""
+        columns = self.params.contact_columns
+        return get_wall_contacts(self._library, self._instance, self.comm, columns)
+
+    def wall_impulses(self) -> np.ndarray:
+        """Impulse (N s) on the ice of each wall since `load`, shape (walls, 2), on every rank."""
+        walls = 0 if self.walls is None else count_walls(self.walls)
+        return wall_impulses(self._library, self._instance, self.comm, walls)
+
     def _pairs(self) -> tuple[Arrays, Arrays]:
         columns = self.params.contact_columns
         return get_pairs(self._library, self._instance, self.comm, columns)
@@ -211,7 +247,7 @@ class Engine:
 
     def _open(self) -> None:
         # LIGGGHTS opens its log while it is half built, where a fault cannot be survived.
-        fault = self.comm.bcast(_open_fault(self.log) if self.comm.rank == 0 else None)
+        fault = self.comm.bcast(open_fault(self.log) if self.comm.rank == 0 else None)
         if fault:
             raise EngineError(f"{self.log}: LIGGGHTS' log cannot be written: {fault}.")
         words = ["liggghts", "-screen", "none", "-log", str(self.log)]
@@ -275,21 +311,3 @@ class Engine:
             raise EngineError(
                 f"Bonds were lost without breaking by step {self._steps}: set a longer reach."
             )
-
-
-def log_tail(log: Path, lines: int = 5) -> str:
-    """Last lines of a log, to stand behind a sentence; empty where there is none."""
-    try:
-        tail = log.read_text(errors="replace").splitlines()[-lines:]
-    except OSError:
-        return ""
-    return "".join(f"\n  {line}" for line in [f"(tail of {log})", *tail])
-
-
-def _open_fault(log: Path) -> str | None:
-    """Why a log cannot be written; None if it can."""
-    try:
-        log.open("a").close()
-    except OSError as error:
-        return error.strerror or type(error).__name__
-    return None
