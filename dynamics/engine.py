@@ -15,12 +15,13 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from floeflow.dynamics.bondtable import (
-    BOND_COLUMNS,
-    Arrays,
-    empty_pairs,
+from floeflow.dynamics.bondtable import BOND_COLUMNS, Arrays, empty_pairs
+from floeflow.dynamics.enginechecks import (
+    check_bonds,
+    check_contacts,
+    check_elements,
+    check_time,
 )
-from floeflow.dynamics.enginechecks import check_bonds, check_contacts, check_elements
 from floeflow.dynamics.enginelog import log_tail, open_fault
 from floeflow.dynamics.engineparams import EngineParams, Forcing
 from floeflow.dynamics.enginesetup import bond_reach, contact_reach, setup_commands
@@ -40,7 +41,7 @@ from floeflow.dynamics.enginewalls import (
     get_wall_contacts,
     put_wall_contacts,
     set_walls,
-    wall_impulses,
+    wall_forces,
 )
 from floeflow.dynamics.pluginlib import load_plugin, quiet_errors
 from floeflow.errors import FloeError
@@ -192,7 +193,8 @@ class Engine:
             If LIGGGHTS fails, an element becomes non-finite, runs away or is lost, or a bond
             leaves the neighbours' reach.
         """
-        self._check_time(steps)
+        begin = self._start + self._steps * self.params.time_step
+        check_time(self.params, self._forcing, begin, steps)
         while steps > 0:
             # Cut at multiples of the chunk, whatever the caller asks for.
             now = min(steps, CHUNK - self._steps % CHUNK)
@@ -218,10 +220,10 @@ class Engine:
         columns = self.params.contact_columns
         return get_wall_contacts(self._library, self._instance, self.comm, columns)
 
-    def wall_impulses(self) -> np.ndarray:
-        """Impulse (N s) on the ice of each wall since `load`, shape (walls, 2), on every rank."""
+    def wall_forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Impulse (N s) on the ice since `load`, force on it now (N); each of shape (walls, 2)."""
         walls = 0 if self.walls is None else count_walls(self.walls)
-        return wall_impulses(self._library, self._instance, self.comm, walls)
+        return wall_forces(self._library, self._instance, self.comm, walls)
 
     def _pairs(self) -> tuple[Arrays, Arrays]:
         columns = self.params.contact_columns
@@ -261,13 +263,13 @@ class Engine:
 
     def _put_pairs(self, bonds: Arrays, contacts: Arrays) -> None:
         self._check(put_pairs(self._library, self._instance, bonds, contacts))
-        held = self._pairs()
-        for table, present, kind in zip((bonds, contacts), held, ("bond", "contact"), strict=True):
-            missing = missing_pairs(table, present)
-            if missing:
+        for table, present, kind in zip(
+            (bonds, contacts), self._pairs(), ("bond", "contact"), strict=True
+        ):
+            for lo, hi in missing_pairs(table, present)[:1]:
                 raise EngineError(
-                    f"The {kind} between elements {missing[0][0]} and {missing[0][1]} lies outside "
-                    "of the neighbour lists: its elements are too far apart."
+                    f"The {kind} between elements {lo} and {hi} lies outside of the neighbour "
+                    "lists: its elements are too far apart."
                 )
 
     def _command(self, line: str) -> None:
@@ -278,21 +280,6 @@ class Engine:
             self._instance = ctypes.c_void_p()  # what it holds now is not to be trusted or freed
             raise EngineError(
                 f"LIGGGHTS: {self._library.floe_error().decode()}{log_tail(self.log)}"
-            )
-
-    def _check_time(self, steps: int) -> None:
-        needed = self.params.external
-        if not needed:
-            return
-        if self._forcing is None:
-            raise FloeError(f"The scene's effects need forcing ({', '.join(needed)}).")
-        first, last = float(self._forcing.time[0]), float(self._forcing.time[-1])
-        begin = self._start + self._steps * self.params.time_step
-        end = begin + steps * self.params.time_step
-        slack = 0.5 * self.params.time_step
-        if first < last and (begin < first - slack or end > last + slack):
-            raise FloeError(
-                f"The forcing covers {first:g} s to {last:g} s, not {begin:g} s to {end:g} s."
             )
 
     def _check_faults(self) -> None:

@@ -89,12 +89,13 @@ def get_wall_contacts(
     return out
 
 
-def wall_impulses(
+def wall_forces(
     library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm, walls: int
-) -> np.ndarray:
-    """Impulse (N s) that each wall gave to the ice since `load`, shape (walls, 2)."""
-    mine = np.zeros((walls, 2))
-    library.floe_wall_impulses(instance, mine)
+) -> tuple[np.ndarray, np.ndarray]:
+    """Impulse (N s) on the ice since `load` and force (N) now of each wall, shapes (walls, 2)."""
+    mine = np.zeros((2, walls, 2))
+    if walls:
+        library.floe_wall_forces(instance, mine[0], mine[1])
     total = np.empty_like(mine)
     comm.Allreduce(mine, total, op=MPI.SUM)
-    return total
+    return total[0], total[1]

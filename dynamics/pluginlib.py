@@ -56,7 +56,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "floe_put_wall_contacts": (ctypes.c_int, [ctypes.c_void_p, _COUNT, _INTEGERS, _NUMBERS]),
     "floe_count_wall_contacts": (_COUNT, [ctypes.c_void_p]),
     "floe_get_wall_contacts": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
-    "floe_wall_impulses": (None, [ctypes.c_void_p, _NUMBERS]),
+    "floe_wall_forces": (None, [ctypes.c_void_p, _NUMBERS, _NUMBERS]),
     "floe_set_forcing": (
         ctypes.c_int,
         [

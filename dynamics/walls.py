@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Walls as straight faces in the plane of the ice: planes, and lines that may join.
 
-A plane has no ends and ice on its left side only, as one looks from a to b. A line has two ends and
-two sides; where it meets another line of its wall, each knows the other, so that ice is pushed once by
-a corner and slides from line to line. All faces of a wall move at its constant velocity from where
-they are at time 0. NumPy only: preprocessing, engine and tests share it.
+A plane has no ends and ice on its left side only, as one looks from a to b. A line has two ends
+and two sides; where it meets another line of its wall, each knows the other, so that ice is pushed
+once by a corner and slides from line to line. All faces of a wall move at its constant velocity,
+from where they are at time 0. NumPy only: preprocessing, engine and tests share it.
 """
 
 from __future__ import annotations
@@ -94,15 +94,17 @@ def join(walls: list[Arrays]) -> Arrays:
 
 
 def distances(faces: Arrays, x: np.ndarray, y: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Distance (m) of points from each face, shape (points, faces); below 0 behind a plane."""
-    ax, ay = (faces[f"a{k}"] + faces[v] * time for k, v in (("x", "u"), ("y", "v")))
+    """Distance (m) of points from faces at a time (s); below 0 behind a plane.
+
+    Points and faces are broadcast: points of shape (n, 1) give (n, faces).
+    """
     tx, ty = faces["bx"] - faces["ax"], faces["by"] - faces["ay"]
     length = np.hypot(tx, ty)
-    dx, dy = np.subtract.outer(x, ax), np.subtract.outer(y, ay)
+    dx, dy = x - faces["ax"] - faces["u"] * time, y - faces["ay"] - faces["v"] * time
     height = (dy * tx - dx * ty) / length
     share = np.clip((dx * tx + dy * ty) / length**2, 0.0, 1.0)
     away = np.hypot(dx - share * tx, dy - share * ty)
-    return np.where(faces["plane"] != 0, height, away)
+    return np.asarray(np.where(faces["plane"] != 0, height, away))
 
 
 def overlapping(faces: Arrays, elements: Arrays, time: float = 0.0) -> Arrays:
@@ -113,7 +115,8 @@ def overlapping(faces: Arrays, elements: Arrays, time: float = 0.0) -> Arrays:
     dict of ndarray, shape (n,)
         Table as `Engine.load` takes it: id, face, slip and rest_overlap (m), sorted.
     """
-    depth = elements["radius"][:, None] - distances(faces, elements["x"], elements["y"], time)
+    x, y, radius = (elements[name][:, None] for name in ("x", "y", "radius"))
+    depth = radius - distances(faces, x, y, time)
     row, face = np.nonzero(depth > 0)
     depth = depth[row, face]
     return {

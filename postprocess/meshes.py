@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Polygon meshes as VTK files for ParaView: the only module that imports meshio.
+"""Polygon meshes for ParaView, triangle meshes of walls: the only module that imports meshio.
 
-meshio's last release is of 2024, so it may have to be replaced; what is asked of it is in one
-function here. Polygons go in blocks of one number of corners, the form in which meshio takes them.
+meshio's last release is of 2024, so it may have to be replaced; what is asked of it is in two
+functions here. Polygons go in blocks of one number of corners, the form in which meshio takes them.
 """
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -58,6 +59,44 @@ def write_polygons(
         cell_data={name: [values[row] for row in rows] for name, values in cell_data.items()},
     )
     _write_whole(path, lambda temporary: mesh.write(temporary, file_format="vtu"))
+
+
+def read_triangles(path: Path) -> tuple[Array, Index]:
+    """Read a triangle mesh (STL, or another format that meshio knows by its name).
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    tuple of ndarray
+        Corners (m), (n, 3), and the rows of each triangle's corners, (m, 3).
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be read, has no triangles or other cells, or is not finite.
+    """
+    try:
+        path.open("rb").close()
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            mesh = meshio.read(path)
+        cells = {block.type for block in mesh.cells}
+        points = np.asarray(mesh.points, dtype=float).reshape(-1, 3)
+        triangles = np.asarray(mesh.get_cells_type("triangle"), dtype=np.int64).reshape(-1, 3)
+    except OSError as error:
+        raise FloeError(f"{path}: the mesh cannot be read: {error.strerror}") from None
+    except (Exception, SystemExit):  # meshio ends the process where it knows no format
+        raise FloeError(f"{path}: is no triangle mesh that can be read") from None
+    other = cells - {"triangle"}
+    if len(triangles) == 0 or other:
+        found = ", ".join(sorted(other)) or "nothing"
+        raise FloeError(f"{path}: a wall is a mesh of triangles and nothing else; found {found}")
+    if not np.isfinite(points).all():
+        raise FloeError(f"{path}: a corner of the mesh is not finite")
+    return points, triangles
 
 
 def write_series(path: Path, files: Sequence[str], times: Sequence[float]) -> None:

@@ -21,7 +21,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "packing": ("seed", "packing"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration"),
     "forcing": ("domain", "forcing", "time.start", "time.window", "effects"),
-    "initial": ("time.start", "effects", "column.ocean_salinity"),
+    "initial": ("time.start", "effects", "column.ocean_salinity", "walls"),
     "dynamics": ("effects", "dynamics", "time.window"),
     "column": ("effects", "column", "time.window"),
     "grid": ("domain", "effects", "time.start", "time.window"),

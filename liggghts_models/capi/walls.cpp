@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
 // C interface: walls, their contacts in and out, the impulses that they gave.
-#include <cmath>
+#include <algorithm>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -60,8 +60,8 @@ int floe_put_wall_contacts(void *instance, long long n, const long long *ids,
       for (auto found = range.first; found != range.second; ++found) {
         const long long k = found->second;
         const double *row = columns + contact_columns * k;
-        walls->put(atom->tag[i], {static_cast<int>(ids[2 * k + 1]),
-                                  {row[0], row[1], {row[2], row[3], row[4]}}});
+        walls->put(atom->tag[i],
+                   {static_cast<int>(ids[2 * k + 1]), {row[0], row[1], {row[2], row[3], row[4]}}});
       }
     }
   });
@@ -85,8 +85,10 @@ void floe_get_wall_contacts(void *instance, long long *ids, double *columns) {
   });
 }
 
-void floe_wall_impulses(void *instance, double *out) {
-  for (double value : walls_of(instance)->impulses()) *out++ = value;
+void floe_wall_forces(void *instance, double *impulses, double *forces) {
+  const FixFloeWalls *walls = walls_of(instance);
+  std::copy(walls->impulses().begin(), walls->impulses().end(), impulses);
+  std::copy(walls->forces().begin(), walls->forces().end(), forces);
 }
 
 }  // extern "C"

@@ -13,13 +13,13 @@ namespace floe {
 namespace {
 
 template <bool Friction, bool Ridging>
-ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose &pose,
-                      double step, WallHistory &h) {
+ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose &pose, double step,
+                      WallHistory &h) {
   const PairFloe &laws = *wall.laws;
   // All the spring is the element's ice, all the mass its own.
   const double stiffness = wall.stiffness(i);
-  const ContactConstants constants{
-      stiffness, 2.0 * laws.contact.damping * std::sqrt(stiffness * mass)};
+  const ContactConstants constants{stiffness,
+                                   2.0 * laws.contact.damping * std::sqrt(stiffness * mass)};
   const bool advance = step > 0.0;
   double rest = h.rest_overlap, slip = h.slip, limit = 0.0;
   double overlap =

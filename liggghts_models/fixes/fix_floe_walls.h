@@ -52,7 +52,9 @@ class FixFloeWalls : public Fix {
   void each(Visit visit) const;  // (tag, contact)
 
   Sums sums(double &max_overlap);
-  const std::vector<double> &impulses() const { return impulse_; }  // N s on ice, x and y of each
+  // On the ice, x and y of each wall: N s since the start, N now.
+  const std::vector<double> &impulses() const { return impulse_; }
+  const std::vector<double> &forces() const { return force_; }
 
  private:
   // An element near walls: its candidate faces in candidates_, and its contacts.

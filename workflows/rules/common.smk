@@ -54,6 +54,12 @@ def bonds_input(wildcards):
     )
 
 
+def wall_mesh(wildcards):
+    """Mesh of a wall, where the scene has one."""
+    wanted = "walls" in EFFECTS and RUN.scene.walls.mesh
+    return RUN.scene.walls.mesh if wanted else []
+
+
 def stage_benchmarks(wildcards):
     """What Snakemake measured of the stages before and after the windows."""
     stages = ["mask", "packing", "initial", "diagnostics"]
