@@ -221,6 +221,7 @@ def test_no_ice_and_absent_effects_are_said(bare: tuple[Run, str]):
         "bonds",
         "ridging",
         "refreeze",
+        "walls",
         "thermodynamics",
     ]
     assert not [key for key in scene_keys(run.scene) if key.path.startswith("column.")]
