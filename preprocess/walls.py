@@ -20,8 +20,8 @@ from floeflow.errors import FloeError
 from floeflow.postprocess.meshes import read_triangles
 from floeflow.state.schema import MOBILE
 
-# Ice may overlap a wall at the start, but no centre may lie nearer to it than this share of its
-# radius.
+# Ice may overlap a wall at the start. But no centre may lie behind a plane, nor nearer than this
+# share of its radius to a line, which would push it to one side or the other.
 NEAREST = 0.25
 
 
@@ -120,13 +120,16 @@ def wall_variables(scene: Scene, packing: xr.Dataset) -> Arrays:
 
 def _check_clear(faces: Arrays, ice: Arrays, names: tuple[str, ...]) -> None:
     x, y, radius = (ice[name][:, None] for name in ("x", "y", "radius"))
-    share = distances(faces, x, y) / radius
-    if share.size == 0 or share.min() >= NEAREST:
+    share = distances(faces, x, y) / radius - np.where(faces["plane"] != 0, 0.0, NEAREST)
+    if share.size == 0 or share.min() >= 0.0:
         return
     row, face = np.unravel_index(int(np.argmin(share)), share.shape)
-    where = "behind" if share[row, face] < 0 else f"{share[row, face]:.2g} radii from"
+    where = (
+        "behind it"
+        if faces["plane"][face]
+        else f"{share[row, face] + NEAREST:.2g} radii from it ({NEAREST:g} are asked for)"
+    )
     raise FloeError(
         f"walls: '{names[faces['wall'][face]]}' stands in the ice: the centre of element "
-        f"{ice['id'][row]} at ({ice['x'][row]:.6g}, {ice['y'][row]:.6g}) m lies {where} it "
-        f"(at least {NEAREST:g} radii are asked for)."
+        f"{ice['id'][row]} at ({ice['x'][row]:.6g}, {ice['y'][row]:.6g}) m lies {where}."
     )

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "wall_law.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "fix_floe_integrate.h"
@@ -35,8 +36,9 @@ ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose
       h.ridge.thickness = wall.fix->thickness[i];
       h.ridge.length = 2.0 * edge_share * pose.radius_one;
     }
-    const double closed =
-        advance ? laws.close_ridge(stiffness, pose.radius_one - rest, overlap, h.ridge) : 0.0;
+    // A disc may begin with its centre right at the wall, where no ice is left between them.
+    const double span = pose.radius_one - std::min(rest, 0.5 * pose.radius_one);
+    const double closed = advance ? laws.close_ridge(stiffness, span, overlap, h.ridge) : 0.0;
     if (closed > 0.0) {
       h.rest_overlap = rest + closed;
       overlap = (pose.radius_one - pose.distance) - h.rest_overlap;
