@@ -123,11 +123,12 @@ def heal(
 ) -> Arrays:
     """Bonds after their cracks have frozen for a window: shorter cracks, force as before.
 
-    Ice as thick as the bond needs the time h^2 / growth; cracks close by 1/e in that time. The
+    Ice in a crack is as thick as the bond after h^2 / growth; until then a third of it is missing
+    on average. Cracks close by 1/e in a third of that time: in sum as much is missing. The
     longer line bears an eccentric load: where that is too much, the cracks stay.
     """
     grown = _growth(bonds, elements, air, cold, window) / bonds["thickness"] ** 2
-    longer = healed(bonds, elements, np.exp(-grown))
+    longer = healed(bonds, elements, np.exp(-3.0 * grown))
     good = loaded_less_than(MOST_LOAD, longer, elements, params)
     return {name: np.where(good, longer[name], bonds[name]) for name in bonds}
 
