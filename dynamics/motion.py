@@ -40,6 +40,7 @@ class Motion:
     limited_by: str = ""
     setup_seconds: float = 0.0
     seconds: float = 0.0
+    cpu_seconds: float = 0.0
     samples: dict[str, list[float]] = field(default_factory=dict)
     budget: dict[str, float] = field(default_factory=dict)
 
@@ -134,7 +135,7 @@ def move(
         first = engine.diagnostics()
         _sample(motion, scene, engine.elements(), first, 0.0)
         motion.setup_seconds = time.perf_counter() - began
-        began = time.perf_counter()
+        began, used = time.perf_counter(), time.process_time()
         for k in range(1, scene.dynamics.samples + 1):
             engine.run(between)
             sums = engine.diagnostics()
@@ -143,6 +144,7 @@ def move(
             n = len(elements["id"])
             report(step=k * between, steps=motion.steps, elements=n, dynamics_seconds=seconds)
         motion.seconds = time.perf_counter() - began
+        motion.cpu_seconds = comm.allreduce(time.process_time() - used)
         motion.budget = _budget(scene, first, sums)
         left = engine.bonds() if bonds is not None else None
         moved = engine.elements()
