@@ -68,7 +68,7 @@ def test_swing_under_a_large_load_without_damping(log: Path) -> None:
 def beside_demsi(
     log: Path, shared: Path, count: int, step: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Times (s); ways of the tip (m): DEMSI's, its law's in steps of our choice (s), the engine's."""
+    """Times (s); ways of the tip (m): DEMSI's, its law's in such steps (s), the engine's."""
     path = shared / "reference" / "demsi" / "cantilever_oscillation.nc"
     with xr.open_dataset(path, decode_times=False) as data:
         times, end = data["time"].values[:count], data["type"].values == 5
