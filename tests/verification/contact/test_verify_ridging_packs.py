@@ -157,7 +157,7 @@ def mixed_pack(side: int, thin: float, thick: float, seed: int) -> Arrays:
     return raft
 
 
-def test_two_dimensional_ridging_under_a_piston(log: Path) -> None:
+def test_two_dimensional_ridging_under_a_piston(log: Path, show) -> None:
     raft = mixed_pack(10, 0.2, 1.0, seed=5)
     rows = np.arange(100) // 10
     sides = (np.arange(100) % 10 == 0) | (np.arange(100) % 10 == 9)
@@ -179,6 +179,8 @@ def test_two_dimensional_ridging_under_a_piston(log: Path) -> None:
     # The strip that the piston swept is ice that became ridge, but for what stays elastic.
     swept = 0.03 * 8e4 * 8 * 2 * RADIUS
     assert lost.sum() == pytest.approx(swept, rel=0.35)
+    percent = 100 * lost / np.where(lost > 0, start["area"].values, 1.0)
+    show("ridging_piston", figures.shaded, state, percent, "area turned into ridges (%)")
 
 
 # --- An island.
