@@ -136,9 +136,7 @@ def test_read_only_results_are_named(tmp_path: Path):
 
 def test_a_file_where_the_results_should_lie_is_named(tmp_path: Path):
     (tmp_path / "results").write_text("a file")
-    with pytest.raises(
-        FloeError, match="results/s.nc: cannot be written: (File exists|Not a directory)"
-    ):
+    with pytest.raises(FloeError, match="s.nc: cannot be written: (File exists|Not a dir)"):
         write_state(a_state(), tmp_path / "results" / "s.nc")
     assert (tmp_path / "results").read_text() == "a file"
 
