@@ -15,6 +15,7 @@ from mpi4py import MPI
 
 from floeflow.config import Scene
 from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.dynamics.collective import on_root
 from floeflow.dynamics.elements import Arrays, element_arrays, moved_state, pair_arrays
 from floeflow.dynamics.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.ridging import close_areas
@@ -122,7 +123,8 @@ def move(
     if not (elements["type"] == MOBILE).any():
         return _still(scene, state)
     bonds = pair_arrays(state, "bond") if "bonds" in scene.effects else None
-    step, between, limited_by = choose_step(scene, elements, bonds)
+    # On one rank: eigenvalues from unlike processors may differ in their last bit.
+    step, between, limited_by = on_root(comm, choose_step, scene, elements, bonds)
     params = engine_params(scene, step)
     motion = Motion(state, between * scene.dynamics.samples, step, limited_by)
     log.parent.mkdir(parents=True, exist_ok=True)
