@@ -18,6 +18,7 @@ from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
 from floeflow.dynamics.collective import on_root
 from floeflow.dynamics.elements import Arrays, element_arrays, moved_state, pair_arrays
 from floeflow.dynamics.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.overlaps import rest_overlaps
 from floeflow.dynamics.ridging import close_areas
 from floeflow.dynamics.timestep import critical_step
 from floeflow.dynamics.wallridges import shift_wall_contacts
@@ -138,7 +139,8 @@ def move(
         pair_arrays(state, f"wall_{kind}") if walled else None for kind in ("face", "contact")
     )
     with Engine(comm, params, log, faces) as engine:
-        contacts, start = pair_arrays(state, "contact"), float(state.attrs["time"])
+        contacts = rest_overlaps(elements, bonds, pair_arrays(state, "contact"))
+        start = float(state.attrs["time"])
         engine.load(elements, bonds, contacts, start, held)
         if params.external:
             engine.set_forcing(engine_forcing(forcing, params.external))
