@@ -17,6 +17,7 @@ from floeflow.config import Scene
 from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
 from floeflow.dynamics.collective import on_root
 from floeflow.dynamics.elements import Arrays, element_arrays, moved_state, pair_arrays
+from floeflow.dynamics.energycheck import check_energy
 from floeflow.dynamics.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.overlaps import rest_overlaps
 from floeflow.dynamics.ridging import close_areas
@@ -153,7 +154,9 @@ def move(
         for k in range(1, scene.dynamics.samples + 1):
             engine.run(between)
             sums = engine.diagnostics()
-            _sample(motion, scene, engine.elements(), sums, k * between * step)
+            here = engine.elements()
+            check_energy(first, sums, here, k * between)
+            _sample(motion, scene, here, sums, k * between * step)
             if walled:
                 _sample_walls(motion, scene, engine, between * step)
             seconds = time.perf_counter() - began

@@ -16,10 +16,16 @@ import numpy as np
 from mpi4py import MPI
 
 from floeflow.dynamics.bondtable import Arrays
+from floeflow.dynamics.energycheck import (
+    EXTERNAL,
+    check_energy,
+    external_work,
+    lost_energy,
+    stored_energy,
+)
 from floeflow.dynamics.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.timestep import critical_step
 
-STORES = ("kinetic_now", "rotational_now", "elastic_bond", "elastic_contact")
 NUMBERS = ("x", "y", "theta", "u", "v", "omega", "mass")
 
 
@@ -51,26 +57,12 @@ def default_step(
     return replace(params, time_step=share * critical_step(elements, bonds, params)[0])
 
 
-def stored(sums: dict[str, float]) -> float:
-    """Kinetic and elastic energy of now, J."""
-    return sum(sums[name] for name in STORES)
-
-
-def worked(sums: dict[str, float]) -> float:
-    """Work of all external forces since the start, J."""
-    return sum(value for name, value in sums.items() if name.startswith("work_"))
-
-
-def lost(sums: dict[str, float]) -> float:
-    """Energy dissipated since the start, J."""
-    return sum(value for name, value in sums.items() if name.startswith("dissipation_"))
-
-
 def budget_residual(first: dict[str, float], last: dict[str, float]) -> float:
     """Energy that no term accounts for, as a share of all that was there or moved."""
-    gain = stored(last) - stored(first) - (worked(last) - lost(last))
-    moved = sum(abs(last[name]) for name in last if name.startswith(("work_", "dissipation_")))
-    scale = max(stored(first), stored(last), moved)
+    before, after = stored_energy(first), stored_energy(last)
+    gain = after - before - (external_work(last) - lost_energy(last))
+    moved = sum(abs(last.get(name, 0.0)) for name in EXTERNAL) + abs(lost_energy(last))
+    scale = max(before, after, moved)
     return abs(gain) / scale if scale > 0 else 0.0
 
 
@@ -100,11 +92,12 @@ def watch(
                 engine.run(between)
             last = engine.diagnostics()
             now = engine.elements()
+            check_energy(first, last, now, k * between)
             assert np.array_equal(now["id"], start["id"]), "an element was lost"
             for name in NUMBERS:
                 assert np.isfinite(now[name]).all(), f"{name} is not finite"
             assert np.array_equal(now["mass"], start["mass"]), "a mass changed in the dynamics"
-            energies.append(stored(last))
+            energies.append(stored_energy(last))
             speed = max(speed, float(np.hypot(now["u"], now["v"]).max()))
             overlap = max(overlap, last["max_overlap"] / float(now["radius"].min()))
             if look is not None:
