@@ -7,27 +7,14 @@ record that it lies between, and successive times share those.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from floeflow.column.state import Array, ColumnForcing
+from floeflow.column.state import Array
 from floeflow.errors import FloeError
-
-COLUMN_VARIABLES = (
-    "wind_u",
-    "wind_v",
-    "air_temperature",
-    "specific_humidity",
-    "shortwave_down",
-    "longwave_down",
-    "snowfall",
-    "air_pressure",
-    "ocean_heat_flux",
-)
-
 
 class Series:
     """Fields at fixed places as functions of time; made by `sample_series`.
@@ -141,31 +128,6 @@ def sample_series(data: xr.Dataset, names: Sequence[str], x: Array, y: Array) ->
         axis=1,
     )
     return Series(data, tuple(names), nodes, weights, (np.asarray(x), np.asarray(y)))
-
-
-def column_sampler(data: xr.Dataset, x: Array, y: Array) -> Callable[[float], ColumnForcing]:
-    """Return the column's forcing as a function of time, which is what `advance_window` takes.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        A window's forcing with ``COLUMN_VARIABLES``.
-    x, y : ndarray
-        Element centres (m), (n,).
-
-    Raises
-    ------
-    FloeError
-        As `sample_series`.
-    """
-    series = sample_series(data, COLUMN_VARIABLES, x, y)
-
-    def sample(t: float) -> ColumnForcing:
-        fields = series(t)
-        speed = np.hypot(fields.pop("wind_u"), fields.pop("wind_v"))
-        return ColumnForcing(wind_speed=speed, **fields)
-
-    return sample
 
 
 def _bracket(nodes: Array, places: Array, axis: str) -> tuple[NDArray[np.intp], Array]:

@@ -46,6 +46,8 @@ class Physics(NamedTuple):
         Freezing point depression (K per 1e-3 of salinity).
     mushy : bool
         Mushy layers with salt of their own (Turner et al. 2013), else Bitz and Lipscomb (1999).
+    mixed, frazil : bool
+        A mixed layer stores heat, else the sea stays at its freezing point; open water freezes.
     bubbly : bool
         Conductivity of Pringle et al. (2007), else of Maykut and Untersteiner (1971).
     fresh_conductivity, snow_conductivity : float
@@ -125,6 +127,8 @@ class Physics(NamedTuple):
     vapour: float = 2.501e6
     melting_slope: float = 0.054
     mushy: bool = False
+    mixed: bool = True
+    frazil: bool = True
     bubbly: bool = True
     fresh_conductivity: float = 2.03
     snow_conductivity: float = 0.3

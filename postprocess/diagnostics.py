@@ -94,8 +94,9 @@ def close_budgets(
     """
     found = [momentum_budget(scalars, axis) for axis in "xy"]
     found += ice_volume_budgets(scalars, boundaries["ice_volume"].values)
-    if "thermodynamics" in effects:
+    if "snow" in effects:
         found.append(snow_volume_budget(scalars, boundaries["snow_volume"].values))
+    if "thermodynamics" in effects:
         found.append(column_energy_budget(scalars))
     kinetic, elastic = (
         change_over_windows(samples, name, scalars["window"].values)

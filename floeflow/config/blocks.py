@@ -214,13 +214,24 @@ class Dynamics(Block):
 class Column(Block):
     """Thermodynamics of the elements' columns."""
 
-    scheme: Literal["zero_layer"] = key("zero_layer", "Vertical thermodynamics.")
+    scheme: Literal["zero_layer", "bl99", "mushy"] = key(
+        "zero_layer",
+        "Vertical thermodynamics: no heat stored, Bitz and Lipscomb 1999, or mush with salt.",
+    )
+    categories: int = key(1, "Thickness categories of each element.", ge=1, le=20)
+    layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
     step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)
     new_ice_thickness: float = key(
         0.1, "Thickness at which new ice gathers in open water.", "m", gt=0, le=1
     )
     ocean_salinity: float = key(
         34.0, "Salinity of the ocean (sets its freezing point).", "1e-3", ge=0, le=45
+    )
+    mixed_layer_depth: float = key(
+        20.0, "Depth of the sea that an element warms and cools.", "m", ge=1, le=500
+    )
+    initial_surface: float = key(
+        258.15, "Temperature of the ice's surface at the start (bl99, mushy).", "K", ge=200, le=273
     )
 
 
@@ -248,7 +259,8 @@ class Scene(Block):
 
     name: PlainName = key(..., "Plain name of the scene, also its folder under results/.")
     effects: tuple[str, ...] = key(
-        ("wind", "ocean_drag", "coriolis", "tilt", "friction", "bonds", "thermodynamics"),
+        ("wind", "ocean_drag", "coriolis", "tilt", "friction", "bonds")
+        + ("thermodynamics", "snow", "shortwave", "lateral_melt", "frazil"),
         "Effects to simulate; what is not named is absent.",
     )
     seed: int = key(1981, "Seed of everything random.", ge=0, lt=2**32)

@@ -30,6 +30,8 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("forcing.file is given but forcing.source is 'analytic'")
     if scene.mask.land == "mask" and not scene.mask.file:
         raise FloeError("mask.land is 'mask' but mask.file names none")
+    if "redistribution" in scene.effects and scene.column.categories < 2:
+        raise FloeError("effect 'redistribution' needs column.categories of 2 or more")
 
 
 def _check_domain(scene: Scene) -> None:

@@ -41,6 +41,12 @@ def _column(units: str, text: str, low: float = 0.0, high: float = np.inf) -> Va
     return Variable(("element", "category"), "float64", units, text, low, high)
 
 
+def _layers(
+    kind: str, units: str, text: str, low: float = -np.inf, high: float = np.inf
+) -> Variable:
+    return Variable(("element", "category", f"{kind}_layer"), "float64", units, text, low, high)
+
+
 def _bond(units: str, text: str, low: float = -np.inf, high: float = np.inf) -> Variable:
     return Variable(("bond",), "float64", units, text, low, high)
 
@@ -64,6 +70,13 @@ VARIABLES: dict[str, Variable] = {
     "ice_volume": _column("m", "ice volume per effective area, per category"),
     "snow_volume": _column("m", "snow volume per effective area, per category"),
     "surface_temperature": _column("K", "temperature of the ice's or snow's surface", 100, 350),
+    "ice_enthalpy": _layers("ice", "J m-3", "energy of ice against water at 0 degC", -2e9, 2e8),
+    "ice_salinity": _layers("ice", "1e-3", "bulk salinity of ice layers, top first", 0, 300),
+    "snow_enthalpy": _layers("snow", "J m-3", "energy of snow against water at 0 degC", -2e9, 0),
+    "sea_temperature": _element("K", "temperature of the mixed layer", 255, 330),
+    "pending_freeze": _element(
+        "J m-2", "heat that the mixed layer lacks and of which ice will be made", 0
+    ),
     "bond_id_lo": Variable(("bond",), "int64", "1", "lower id of the bonded pair", 1),
     "bond_id_hi": Variable(("bond",), "int64", "1", "higher id of the bonded pair", 1),
     "bond_length": _bond("m", "length of the glue line", 0),
@@ -89,6 +102,9 @@ VARIABLES: dict[str, Variable] = {
     "contact_ridge_length": _contact("m", "contact length", 0),
 }
 
+# The column scheme of a state with thermodynamics; where it is missing, zero_layer.
+SCHEME_ATTRIBUTE = "column_scheme"
+
 # Attributes that every state carries, with their types.
 ATTRIBUTES: dict[str, type] = {
     "schema_version": int,
@@ -107,9 +123,9 @@ ATTRIBUTES: dict[str, type] = {
 _EFFECT_VARIABLES = {name for effect in EFFECTS.values() for name in effect.state}
 
 
-def expected_variables(effects: tuple[str, ...]) -> tuple[str, ...]:
-    """Variables that the state of a scene with these effects holds, no more and no less."""
-    wanted = set(state_variables(effects))
+def expected_variables(effects: tuple[str, ...], scheme: str = "zero_layer") -> tuple[str, ...]:
+    """Variables of the state of a scene with these effects and scheme, no more and no less."""
+    wanted = set(state_variables(effects, scheme))
     return tuple(name for name in VARIABLES if name in wanted or name not in _EFFECT_VARIABLES)
 
 
@@ -137,7 +153,8 @@ def check_state(state: xr.Dataset) -> None:
         if not isinstance(state.attrs.get(name), kind):
             raise FloeError(f"attribute '{name}' is missing or no {kind.__name__}")
     effects = tuple(state.attrs["effects"].split())
-    expected = expected_variables(effects)
+    scheme = str(state.attrs.get(SCHEME_ATTRIBUTE, "zero_layer"))
+    expected = expected_variables(effects, scheme)
     for name in expected:
         if name not in state:
             raise FloeError(f"variable '{name}' is missing")
