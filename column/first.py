@@ -132,7 +132,9 @@ def first_columns(
     }
     if settings.scheme == "zero_layer":
         return columns
-    return columns | _first_layers(spread(thickness), spread(snow), min(surface, freezing), settings)
+    return columns | _first_layers(
+        spread(thickness), spread(snow), min(surface, freezing), settings
+    )
 
 
 def _first_layers(ice: Array, snow: Array, top: float, settings: Settings) -> Columns:

@@ -151,9 +151,7 @@ def step_column(c, sea, pending, w, s, f, bounds, sums, dt, p):
     lit = (1.0 - p.albedo_ocean) * (f[r.VISIBLE] + f[r.INFRARED])
     from_air = latent = 0.0
     if not p.mixed:
-        pending, side, from_air, latent = lead_balance(
-            c, freezing, lit, air, f[r.DEEP_HEAT], dt, p
-        )
+        pending, side, from_air, latent = lead_balance(c, freezing, lit, air, f[r.DEEP_HEAT], dt, p)
     freeze_leads(c, s, max(pending, 0.0), freezing, f[r.SEA_SALINITY], w, bounds, sums, p)
     heat -= melt_sides(c, side, sums)
     if c.area.size == 1:

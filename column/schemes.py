@@ -110,9 +110,6 @@ _PROCESS_TERMS = {
 def named_terms(terms: dict[str, Array], settings: Settings) -> dict[str, Array]:
     """Terms without those of processes that are not simulated, which are zero."""
     absent = {
-        term
-        for process, its in _PROCESS_TERMS.items()
-        if not settings.has(process)
-        for term in its
+        term for process, its in _PROCESS_TERMS.items() if not settings.has(process) for term in its
     }
     return {name: value for name, value in terms.items() if name not in absent}

@@ -13,32 +13,18 @@ import xarray as xr
 from mpi4py import MPI
 
 from floeflow.column.forcing import sample_series
-from floeflow.column.params import ColumnParams, Settings, zero_layer_params
+from floeflow.column.params import ColumnParams, zero_layer_params
+from floeflow.column.scene import column_settings
 from floeflow.column.schemes import advance_columns as advance_slice
 from floeflow.config import Scene
 from floeflow.dynamics.collective import on_all
 from floeflow.dynamics.elements import Arrays
 from floeflow.dynamics.motion import engine_params
 from floeflow.dynamics.refreeze import Cold, refreeze
-from floeflow.effects import column_forcing_variables, column_processes, column_variables
+from floeflow.effects import column_forcing_variables, column_variables
 from floeflow.state.schema import MOBILE
 
 Budget = dict[str, float]
-
-
-def column_settings(scene: Scene) -> Settings:
-    """What the scene asks of its columns."""
-    column = scene.column
-    return Settings(
-        scheme=column.scheme,
-        processes=column_processes(scene.effects),
-        categories=column.categories,
-        layers=column.layers,
-        step=column.step,
-        new_ice_thickness=column.new_ice_thickness,
-        ocean_salinity=column.ocean_salinity,
-        mixed_layer_depth=column.mixed_layer_depth,
-    )
 
 
 def column_params(scene: Scene) -> ColumnParams:

@@ -20,7 +20,7 @@ from floeflow import stage
 from floeflow.errors import FloeError
 from floeflow.postprocess.budgets import (
     Budget,
-    column_energy_budget,
+    column_budgets,
     dem_energy_budget,
     grid_budget,
     ice_volume_budgets,
@@ -97,7 +97,7 @@ def close_budgets(
     if "snow" in effects:
         found.append(snow_volume_budget(scalars, boundaries["snow_volume"].values))
     if "thermodynamics" in effects:
-        found.append(column_energy_budget(scalars))
+        found += column_budgets(scalars)
     kinetic, elastic = (
         change_over_windows(samples, name, scalars["window"].values)
         for name in ("kinetic_energy", "elastic_energy")

@@ -8,10 +8,10 @@ import xarray as xr
 
 from floeflow import stage
 from floeflow.column.first import SNOW_LAYERS, first_columns
+from floeflow.column.scene import column_settings
 from floeflow.config import stage_hash
 from floeflow.config.blocks import Scene
 from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
-from floeflow.dynamics.coupling import column_settings
 from floeflow.state.schema import SCHEME_ATTRIBUTE, VARIABLES, expected_variables
 
 # Stages on which the state at the start depends.
@@ -79,9 +79,7 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
 
 def _columns(scene: Scene, packing: xr.Dataset) -> dict[str, np.ndarray]:
     """Columns of the packing's ice, in the categories and layers that the scene asks for."""
-    fraction, volume = (
-        packing[name].values.sum(axis=1) for name in ("ice_fraction", "ice_volume")
-    )
+    fraction, volume = (packing[name].values.sum(axis=1) for name in ("ice_fraction", "ice_volume"))
     snow = np.full(len(fraction), scene.mask.snow_thickness)
     surface = scene.column.initial_surface
     return first_columns(fraction, volume, snow, surface, column_settings(scene))

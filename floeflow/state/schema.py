@@ -80,9 +80,7 @@ def _column(
     return Variable(dims, "float64", units, text, low, high, "intensive", of, per)
 
 
-def _layers(
-    material: str, units: str, text: str, of: str, low: float, high: float
-) -> Variable:
+def _layers(material: str, units: str, text: str, of: str, low: float, high: float) -> Variable:
     dims = ("element", "category", f"{material}_layer")
     return Variable(dims, "float64", units, text, low, high, "intensive", of)
 

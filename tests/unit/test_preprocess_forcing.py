@@ -67,7 +67,7 @@ def test_a_straight_wind_over_the_pole_stays_straight(tmp_path: Path) -> None:
 
 
 def test_bilinear_interpolation_of_a_known_field(tmp_path: Path) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
+    scene = scene_of(AWAY, effects=("thermodynamics", "snow", "shortwave"))
     lon, lat = places(scene)
     data = analytic.make_analytic(scene, 1)
     mesh_lon, mesh_lat = np.meshgrid(data["lon"], data["lat"])
@@ -155,7 +155,7 @@ def test_calendars(tmp_path: Path, calendar: str) -> None:
 def test_units_become_si(
     tmp_path: Path, name: str, standard: str, units: str, value: float, expected: float
 ) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
+    scene = scene_of(AWAY, effects=("thermodynamics", "snow", "shortwave"))
     data = analytic.make_analytic(scene, 1)
     old = next(n for n in data if data[n].attrs["standard_name"].startswith(standard[:8]))
     if name == "air_pressure":
@@ -179,7 +179,7 @@ def test_knots(tmp_path: Path) -> None:
 
 
 def test_humidity_from_dew_point(tmp_path: Path) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
+    scene = scene_of(AWAY, effects=("thermodynamics", "snow", "shortwave"))
     data = analytic.make_analytic(scene, 1).drop_vars("huss")
     shape = (data.sizes["time"], data.sizes["lat"], data.sizes["lon"])
     data["d2m"] = (("time", "lat", "lon"), np.full(shape, 250.0), {"units": "K"})
@@ -235,7 +235,7 @@ def test_bad_values_are_refused(
 
 
 def test_accumulated_radiation_is_refused(tmp_path: Path) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
+    scene = scene_of(AWAY, effects=("thermodynamics", "snow", "shortwave"))
     data = analytic.make_analytic(scene, 1)
     data["rsds"].attrs["units"] = "J m**-2"
     data.to_netcdf(tmp_path / "f.nc")
@@ -244,7 +244,7 @@ def test_accumulated_radiation_is_refused(tmp_path: Path) -> None:
 
 
 def test_impossible_temperature_is_refused(tmp_path: Path) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
+    scene = scene_of(AWAY, effects=("thermodynamics", "snow", "shortwave"))
     data = analytic.make_analytic(scene, 1)
     data["t2m"].values[:] = -20.0
     data.to_netcdf(tmp_path / "f.nc")
