@@ -168,4 +168,4 @@ def _columns(state: LayeredState, like: Columns) -> Columns:
         "surface_temperature": state.surface_temperature + KELVIN,
         "sea_temperature": state.sea_temperature + KELVIN,
     }
-    return {name: kelvin.get(name, getattr(state, name, None)) for name in like}
+    return {name: kelvin[name] if name in kelvin else getattr(state, name) for name in like}
