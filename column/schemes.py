@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from floeflow.column import layered_run, zero_layer_run
+from floeflow.column.closing import close_columns
 from floeflow.column.params import Settings
 from floeflow.column.state import Array
 from floeflow.errors import FloeError
@@ -63,7 +64,11 @@ def scheme_of(settings: Settings) -> Scheme:
 
 
 def advance_columns(
-    columns: Columns, sample: Sample, window: tuple[float, float], settings: Settings
+    columns: Columns,
+    sample: Sample,
+    window: tuple[float, float],
+    settings: Settings,
+    closed: Array | None = None,
 ) -> tuple[Columns, dict[str, Array]]:
     """Advance columns over a window; with the terms, ``*_stored`` for what is kept.
 
@@ -77,6 +82,8 @@ def advance_columns(
         Start and end (s).
     settings : Settings
         What is asked of the columns.
+    closed : ndarray, optional
+        Share of each element's area that ridging has just closed, with redistribution, (n,).
 
     Raises
     ------
@@ -85,10 +92,14 @@ def advance_columns(
         not finite.
     """
     scheme = scheme_of(settings)
-    after, terms = scheme.advance(columns, sample, window, settings)
+    ridged: Columns = columns
+    closing: dict[str, Array] = {}
+    if closed is not None:
+        ridged, closing = close_columns(columns, closed, settings)
+    after, terms = scheme.advance(ridged, sample, window, settings)
     start, end = (scheme.stored(each, settings) for each in (columns, after))
     stored = {f"{name}_stored": end[name] - start[name] for name in end}
-    return after, named_terms({**terms, **stored}, settings)
+    return after, named_terms({**terms, **closing, **stored}, settings)
 
 
 # Terms that come with a process.

@@ -114,3 +114,22 @@ def mix(sea: Sea, heat: Array, deep: Array, dt: float, params: ColumnParams) -> 
         # No ice may be made of it: the deep pays.
         taken, pending = taken + pending, np.zeros_like(pending)
     return Sea(temperature, pending), taken
+
+
+def chill(sea: Sea, energy: Array, capacity: float, freezing: float) -> Sea:
+    """Take energy (J/m2, not negative) from the mixed layer: what it lacks will freeze.
+
+    Parameters
+    ----------
+    sea : Sea
+        Mixed layer.
+    energy : ndarray
+        J/m2, (n,).
+    capacity : float
+        `heat_capacity` (J/m2/K).
+    freezing : float
+        Freezing point (K).
+    """
+    temperature = sea.temperature - energy / capacity
+    lacking = np.where(energy > 0.0, np.maximum(freezing - temperature, 0.0), 0.0)
+    return Sea(temperature + lacking, sea.pending_freeze + lacking * capacity)

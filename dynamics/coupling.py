@@ -62,6 +62,7 @@ def advance_columns(
     state: xr.Dataset,
     forcing: xr.Dataset,
     window: tuple[float, float],
+    first_area: np.ndarray,
 ) -> tuple[xr.Dataset, Budget]:
     """Advance the columns of all mobile elements over a window.
 
@@ -77,6 +78,8 @@ def advance_columns(
         The window's forcing on the scene's grid.
     window : tuple of float
         Start and end of the window, s since the scene's start.
+    first_area : ndarray
+        Areas of the elements before the window's ridging (m2), (n,).
 
     Returns
     -------
@@ -90,10 +93,13 @@ def advance_columns(
     mobile = np.flatnonzero(state["type"].values == MOBILE)
     mine = np.array_split(mobile, comm.size)[comm.rank]
     before = {name: state[name].values[mine] for name in names}
+    closed = None
+    if "redistribution" in scene.effects:
+        closed = 1.0 - state["area"].values[mine] / first_area[mine]
 
     def advance() -> tuple[Arrays, Arrays]:
         sample = forcing_sampler(scene, state, forcing, mine)
-        return advance_slice(before, sample, window, settings)
+        return advance_slice(before, sample, window, settings, closed)
 
     after, terms = on_all(comm, advance)
     result = state.copy()
