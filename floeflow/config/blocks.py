@@ -143,6 +143,11 @@ class Forcing(Block):
         "analytic", "Written from cyclone, gyre and weather, or read from file."
     )
     file: str = key("", "CF NetCDF file with the forcing, path from the project's folder.")
+    accumulation: Literal["", "hour", "step", "day"] = key(
+        "",
+        "Interval of sums over time: the hour up to a record (ERA5), the step between records, or "
+        "the day so far (ERA5-Land); empty: hourly records, each of its hour.",
+    )
     step: float = key(21600.0, "Time between analytic fields.", "s", gt=0)
     cyclone: Cyclone = key(Cyclone(), "Wind of the analytic forcing.")
     gyre: Gyre = key(Gyre(), "Current of the analytic forcing.")
