@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floeflow.column.physics import TINY
 from floeflow.column.state import Array
@@ -46,7 +47,7 @@ class Ridged:
     columns: Columns
     snow_lost: Array
     snow_energy: Array
-    forced: Array
+    forced: NDArray[np.bool_]
 
 
 def participation(area: Array, whole: Array) -> Array:
@@ -120,7 +121,7 @@ def redistribute(columns: Columns, closed: Array, bounds: Array) -> Ridged:
         for what fell into the sea.
     """
     amounts = _amounts(columns)
-    lost = {
+    lost: Columns = {
         name: np.zeros((len(closed), *amounts[name].shape[2:]))
         for name in ("snow", "snow_heat")
         if name in amounts
