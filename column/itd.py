@@ -19,7 +19,7 @@ from floeflow.column.categories import remap
 from floeflow.column.kernel import sources_digest
 from floeflow.column.params import ColumnParams
 from floeflow.column.physics import Physics, as_records
-from floeflow.column.records import CLEARED_ICE, MELT_SNOW, SUMS, Column, new_scratch
+from floeflow.column.records import CLEARED_ICE, LEVEL, MELT_SNOW, SUMS, Column, new_scratch
 from floeflow.column.state import Array, ColumnFluxes, ColumnState
 from floeflow.column.tidy import clear, rebin
 
@@ -27,7 +27,7 @@ from floeflow.column.tidy import clear, rebin
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, error_model="numpy")
     def remap_all(
-        area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, before, bounds,
+        area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, level, before, bounds,
         freezing, sums, constants,
     ):  # fmt: skip
         digest  # noqa: B018  (part of the key under which Numba caches)
@@ -35,10 +35,11 @@ def _build(digest: str) -> Callable[..., Any]:
         s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
         for e in range(area.shape[0]):
             c = Column(
-                area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e], salinity[e]
-            )
+                area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e],
+                salinity[e], level[e],
+            )  # fmt: skip
             remap(c, before[e], bounds, s, p)
-            rebin(c, bounds)
+            rebin(c, s, bounds)
             clear(c, freezing, sums[e])
 
     return remap_all
@@ -82,6 +83,7 @@ def remap_categories(
         *moved,
         *layers,
         np.zeros(shape),
+        np.zeros((*shape[:2], len(LEVEL))),
         before,
         bounds,
         params.freezing_temperature,

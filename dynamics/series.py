@@ -34,6 +34,7 @@ PREFIX_UNITS = {
     "energy_": "J",
     "water_": "kg",
     "salt_": "kg",
+    "wall_force_": "N",
 }
 
 
@@ -66,7 +67,7 @@ def series_dataset(motion: Motion, budget: dict[str, float], start: float) -> xr
         array = np.asarray(values, dtype=float)
         if name == "time":
             array = array + start
-        data[name] = ("sample", array, {"units": UNITS[name]})
+        data[name] = ("sample", array, {"units": UNITS.get(name) or _unit(name)})
     for name, value in {**motion.budget, **budget}.items():
         data[name] = ((), float(value), {"units": _unit(name)})
     return data

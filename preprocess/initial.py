@@ -11,6 +11,7 @@ from floeflow.column.first import SNOW_LAYERS, first_columns
 from floeflow.column.scene import column_settings
 from floeflow.config import stage_hash
 from floeflow.config.blocks import Scene
+from floeflow.preprocess.walls import wall_variables
 from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
 from floeflow.state.schema import SCHEME_ATTRIBUTE, VARIABLES, expected_variables
 
@@ -44,9 +45,11 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
         point, layers of the temperatures of steady conduction.
     """
     made = _columns(scene, packing) if "thermodynamics" in scene.effects else {}
+    made |= wall_variables(scene, packing) if "walls" in scene.effects else {}
     sizes = {"element": packing.sizes["element"], "category": packing.sizes["category"]}
     sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}
     sizes |= {"ice_layer": scene.column.layers, "snow_layer": SNOW_LAYERS}
+    sizes["wall_contact"] = len(made.get("wall_contact_id", ()))
     data = {}
     for name in expected_variables(scene.effects, scene.column.scheme):
         rule = VARIABLES[name]
