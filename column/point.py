@@ -120,7 +120,7 @@ class Reader:
         with netCDF4.Dataset(self.path) as file:
             seconds = seconds_since(file[time][:], self.variables[time], self.start, self.path)
             picks = [slice(None) if d == time else self._pick(file, d) for d in variable.dims]
-            found = np.ma.asarray(file[variable.name][tuple(picks)], float)
+            found: Any = np.ma.asarray(file[variable.name][tuple(picks)], float)
             values: Array = np.ma.filled(found, np.nan)
         steps = np.diff(seconds)
         if steps.size == 0 or (steps <= 0).any():

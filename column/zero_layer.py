@@ -120,6 +120,7 @@ def step_with_sea(
     temperature = np.where(
         ice > 0.0, warmth / np.where(total > 0.0, total, 1.0), params.freezing_temperature
     )
+    temperature = np.minimum(temperature, params.melting_temperature)
 
     seconds = dt * whole
     deep = forcing.ocean_heat_flux * seconds

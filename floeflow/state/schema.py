@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from floeflow.effects import EFFECTS, state_variables
+from floeflow.effects import EFFECTS, SCHEME_STATE, state_variables
 from floeflow.errors import FloeError
 
 SCHEMA_VERSION = 1
@@ -203,7 +203,7 @@ ATTRIBUTES: dict[str, type] = {
     "provenance": str,
 }
 
-_EFFECT_VARIABLES = set(state_variables(EFFECTS))
+_EFFECT_VARIABLES = set(state_variables(EFFECTS)) | set(SCHEME_STATE)
 
 
 def expected_variables(effects: tuple[str, ...], scheme: str = "zero_layer") -> tuple[str, ...]:

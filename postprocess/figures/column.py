@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 from datetime import datetime
+from typing import Any
 
-import cmocean
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -64,7 +64,7 @@ def _section(figure: Figure, axes: Axes, when: Times, data: xr.Dataset) -> None:
     warm = data["ice_temperature"].values - ZERO_CELSIUS
     layers = warm.shape[1]
     low = min(COLDEST, float(np.nanmin(warm, initial=0.0)))
-    scale = {"cmap": cmocean.cm.thermal, "vmin": low, "vmax": 0.0, "shading": "gouraud"}
+    scale: dict[str, Any] = {"cmap": "inferno", "vmin": low, "vmax": 0.0, "shading": "gouraud"}
     # Every layer is drawn from its upper to its lower face, so that the bottom is where it is.
     faces = -ice[:, None] * np.linspace(0.0, 1.0, layers + 1)
     inner = 0.5 * (warm[:, 1:] + warm[:, :-1])
