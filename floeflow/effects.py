@@ -41,6 +41,8 @@ class Effect:
         Variables it adds to the gridded output.
     diagnostics : tuple of str
         Series and figures it adds to the report.
+    excludes : tuple of str
+        Effects beside which it makes no sense.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Effect:
     state: tuple[str, ...] = ()
     output: tuple[str, ...] = ()
     diagnostics: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
 
 
 _BOND_STATE = (
@@ -159,6 +162,21 @@ _REGISTERED = (
         output=("sisnthick",),
         diagnostics=("ice_growth",),
     ),
+    Effect(
+        name="remap",
+        physics="Distorted elements are replaced by fresh ones that hold the same, conservatively.",
+        source="Turner et al. 2022, GMD 15, 1953; Zalesak 1979; Levine & Peres 2009",
+        excludes=("merge",),
+        state=("cell_corners", "corner_x", "corner_y", "drift_x", "drift_y"),
+        diagnostics=("remap",),
+    ),
+    Effect(
+        name="merge",
+        physics="Elements that became too small join their largest neighbour.",
+        source="Turner et al. 2018 (DEMSI)",
+        excludes=("remap",),
+        diagnostics=("merge",),
+    ),
 )
 
 EFFECTS: dict[str, Effect] = {effect.name: effect for effect in _REGISTERED}
@@ -181,6 +199,9 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
             raise FloeError(f"effects: '{name}' is no effect; {hint}")
         if names.count(name) > 1:
             raise FloeError(f"effects: '{name}' is named twice")
+        for other in EFFECTS[name].excludes:
+            if other in names:
+                raise FloeError(f"effects: '{name}' and '{other}' exclude each other")
         for need in EFFECTS[name].needs:
             if need not in names:
                 raise FloeError(f"effects: '{name}' needs '{need}', which the scene does not name")

@@ -120,13 +120,17 @@ def lost_pairs(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 
 def displacement(first: xr.Dataset, last: xr.Dataset) -> tuple[xr.Dataset, np.ndarray]:
-    """Net displacement of the mobile elements that are in both states.
+    """Net displacement of the mobile elements that are in both states, or of remapped ice.
 
     Returns
     -------
     tuple of xarray.Dataset and ndarray
         Those elements of ``last``, and their displacement from ``first`` (m), (element, 2).
     """
+    if "drift_x" in last:
+        # Fresh elements take the displacement of their ice with them.
+        last = last.isel(element=np.flatnonzero(last["type"].values == MOBILE))
+        return last, np.stack([last["drift_x"].values, last["drift_y"].values], axis=1)
     first = first.isel(element=np.flatnonzero(first["type"].values == MOBILE))
     last = last.isel(element=np.flatnonzero(last["type"].values == MOBILE))
     _, here, there = np.intersect1d(

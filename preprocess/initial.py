@@ -47,6 +47,13 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
         "snow_volume": scene.mask.snow_thickness * fraction,
         "surface_temperature": np.full_like(fraction, freezing),
     }
+    # Outlines in the body frames; elements are not turned yet.
+    corners = np.diff(packing["cell_start"].values)
+    made |= {"cell_corners": corners}
+    for axis in ("x", "y"):
+        made[f"corner_{axis}"] = packing[f"cell_{axis}"].values - np.repeat(
+            packing[axis].values, corners
+        )
     sizes = {"element": packing.sizes["element"], "category": packing.sizes["category"]}
     sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}
     data = {}

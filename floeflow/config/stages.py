@@ -23,6 +23,8 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "forcing": ("domain", "forcing", "time.start", "time.window", "effects"),
     "initial": ("time.start", "effects", "column.ocean_salinity"),
     "dynamics": ("effects", "dynamics", "time.window"),
+    "cells": ("seed",),
+    "cure": ("remap", "merge", "packing.bond_gap"),
     "column": ("effects", "column", "time.window"),
     "grid": ("domain", "effects", "time.start", "time.window"),
     "diagnostics": ("effects",),
@@ -38,6 +40,9 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
     data = scene.model_dump(mode="json")
     if "thermodynamics" not in scene.effects:
         data.pop("column")
+    for cure in ("remap", "merge"):
+        if cure not in scene.effects:
+            data.pop(cure)
     values = {}
     for path in STAGE_KEYS[stage]:
         value: Any = data

@@ -80,6 +80,10 @@ def _column(
     return Variable(dims, "float64", units, text, low, high, "intensive", of, per)
 
 
+def _corner(text: str) -> Variable:
+    return Variable(("corner",), "float64", "m", text)
+
+
 def _bond(units: str, text: str, low: float = -np.inf, high: float = np.inf) -> Variable:
     return Variable(("bond",), "float64", units, text, low, high)
 
@@ -113,6 +117,11 @@ VARIABLES: dict[str, Variable] = {
     "surface_temperature": _column(
         "K", "temperature of the ice's or snow's surface", of="ice_fraction", low=100, high=350
     ),
+    "cell_corners": Variable(("element",), "int64", "1", "corners of the element's outline", 0),
+    "drift_x": _element("m", "net displacement of the ice since the start", of="area"),
+    "drift_y": _element("m", "net displacement of the ice since the start", of="area"),
+    "corner_x": _corner("corner of an outline, element after element, in its body frame"),
+    "corner_y": _corner("corner of an outline, element after element, in its body frame"),
     "bond_id_lo": Variable(("bond",), "int64", "1", "lower id of the bonded pair", 1),
     "bond_id_hi": Variable(("bond",), "int64", "1", "higher id of the bonded pair", 1),
     "bond_length": _bond("m", "length of the glue line", 0),
@@ -195,6 +204,8 @@ def check_state(state: xr.Dataset) -> None:
         if extra not in expected:
             raise FloeError(f"variable '{extra}' is not of this scene's effects")
     _check_order(state)
+    if "cell_corners" in state and int(state["cell_corners"].sum()) != state.sizes["corner"]:
+        raise FloeError("the elements' numbers of corners do not add up to the corners")
 
 
 def _check_variable(name: str, array: xr.DataArray) -> None:

@@ -54,6 +54,13 @@ def bonds_input(wildcards):
     )
 
 
+def cells_input(wildcards):
+    """Fresh cells, where the scene remaps."""
+    return (
+        f"results/{wildcards.scene}/preprocess/cells.nc" if "remap" in EFFECTS else []
+    )
+
+
 def stage_benchmarks(wildcards):
     """What Snakemake measured of the stages before and after the windows."""
     stages = ["mask", "packing", "initial", "diagnostics"]
@@ -61,6 +68,8 @@ def stage_benchmarks(wildcards):
         stages.insert(0, "land")
     if bonds_input(wildcards):
         stages.insert(-2, "bonds")
+    if cells_input(wildcards):
+        stages.insert(-2, "cells")
     windows = [f"window/{window}" for window in RUN.ends]
     grids = [f"grid/{window}" for window in ["0000", *RUN.ends]]
     forcing = [f"forcing/{window}" for window in RUN.windows]
