@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import xarray as xr
 
 from floeflow.config import Scene
