@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Index = NDArray[np.int64]
 
-# Bonds whose whole share falls below this are gone.
-LEAST_BOND = 0.02
+# Neighbours of which less than this share held together are not bonded.
+LEAST_BOND = 0.5
 # Fresh neighbours of which at least this share was pressed together still resist at once.
 LEAST_PRESSED = 0.5
 
