@@ -145,6 +145,12 @@ def fresh_bonds(
     thickness = np.minimum(thickness, np.minimum(fresh["thickness"][lo], fresh["thickness"][hi]))
     keep = (whole > LEAST_BOND) & (thickness > 0)
     lo, hi, ends = lo[keep], hi[keep], ends[keep]
+    # Elements that fill their cells in part have lines as much shorter, about their middles.
+    part = np.minimum(
+        fresh["radius"][lo] / cells.radius[lo], fresh["radius"][hi] / cells.radius[hi]
+    )
+    middle = ends.mean(axis=1, keepdims=True)
+    ends = middle + part[:, None, None] * (ends - middle)
     # Cells are sorted by id, so the lower row has the lower id, and a is on its right.
     table = new_bonds(
         fresh,

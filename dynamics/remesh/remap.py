@@ -104,7 +104,9 @@ def overlapping(laid: Laid, cells: Cells) -> float:
     return float(np.maximum(held - cells.area, 0.0).sum()) / total if total > 0 else 0.0
 
 
-def remap(state: xr.Dataset, cells: Cells, laid: Laid, bond_gap: float) -> xr.Dataset:
+def remap(
+    state: xr.Dataset, cells: Cells, laid: Laid, bond_gap: float, slopes: bool = True
+) -> xr.Dataset:
     """Fresh elements that hold what the old ones held.
 
     Parameters
@@ -117,6 +119,8 @@ def remap(state: xr.Dataset, cells: Cells, laid: Laid, bond_gap: float) -> xr.Da
         From `lay`, of the same two.
     bond_gap : float
         As in `packing.bond_gap`.
+    slopes : bool
+        As in `transport`.
 
     Returns
     -------
@@ -126,7 +130,7 @@ def remap(state: xr.Dataset, cells: Cells, laid: Laid, bond_gap: float) -> xr.Da
     """
     names = [n for n, rule in VARIABLES.items() if rule.kind and n in state]
     values = {name: state[name].values[laid.rows] for name in names}
-    arrived = transport(values, laid.centre, laid.pieces)
+    arrived = transport(values, laid.centre, laid.pieces, slopes=slopes)
     beside = cells.neighbours()
     lengths = np.hypot(cells.x[cells.hi] - cells.x[cells.lo], cells.y[cells.hi] - cells.y[cells.lo])
     ease = sparse.csr_matrix(

@@ -30,7 +30,7 @@ log = logging.getLogger(__name__)
 # Excess below this share of a cell is round-off.
 ROUND_OFF = 1.0e-12
 # Cells filled to less than this get no element of their own, which would shorten the time step.
-LEAST_FILL = 0.1
+LEAST_FILL = 0.25
 
 
 def attainable(area: Array, capacity: Array, beside: sparse.csr_matrix) -> Array:

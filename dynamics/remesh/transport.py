@@ -319,13 +319,9 @@ def values_of(
             continue
         rule = rules[name]
         parent = rule.per or rule.of
-        per = area if parent == "area" and name not in _of_area_alone(rules) else arrived[parent]
-        per = _wide(per, amount)
+        # Gap water has no ice, and else is as the element's own: so a temperature stays.
+        thins = rule.per == "area" or is_share(rule)
+        per = _wide(area if thins else arrived[parent], amount)
         value = np.divide(amount, per, out=np.array(fill[name], dtype=float), where=per > 0)
         out[name] = np.clip(value, rules[name].low, rules[name].high)
     return out
-
-
-def _of_area_alone(rules: Rules) -> set[str]:
-    """Properties of the sea itself, which gap water shares."""
-    return {name for name, rule in rules.items() if rule.of == "area" and not is_share(rule)}

@@ -42,7 +42,8 @@ class Variable:
         thickness (ice_volume of ice_fraction) among them.
     per : str
         By which amount a value has to be multiplied to give this variable's amount; ``of``, if
-        empty. Volumes are of the ice, but are kept per effective area.
+        empty. Volumes are of the ice, but are kept per effective area: with ``area`` here a value
+        falls where an element's area grows by open water.
     """
 
     dims: tuple[str, ...]
