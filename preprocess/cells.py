@@ -6,6 +6,7 @@ Cells of the packing keep their ids and discs; those over water are numbered beh
 """
 
 import logging
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -102,9 +103,8 @@ def make_cells(mask: xr.Dataset, packing: xr.Dataset, seed: int) -> xr.Dataset:
     fixed = np.stack([packing["x"].values, packing["y"].values], axis=1)
     fixed_radius, mobile = packing["radius"].values, packing["type"].values == MOBILE
     if not mobile.any():
-        return _dataset(
-            *(np.empty(0, dtype=np.int64), np.empty((0, 2))), *([np.empty(0)] * 2), None
-        )
+        none = np.empty(0)
+        return _dataset(np.empty(0, dtype=np.int64), np.empty((0, 2)), none, none, None)
     mean_radius = grid.spacing * float(np.sqrt(ice.sum() / mobile.sum() / np.pi))
     places, radius = water_discs(grid, sea & ~ice, fixed, fixed_radius, mean_radius, seed)
     ids = packing["id"].values
@@ -133,8 +133,14 @@ def _dataset(
     start, ring = rings_of(diagram.polygons if diagram else none)
     lo, hi = (diagram.lo, diagram.hi) if diagram else (ids, ids)
     ends = diagram.ends if diagram else np.empty((0, 2, 2))
-    cells = {"id": ids, "x": places[:, 0], "y": places[:, 1], "radius": radius, "area": area}
-    sides = {"edge_lo": lo, "edge_hi": hi}
+    cells: dict[str, NDArray[Any]] = {
+        "id": ids,
+        "x": places[:, 0],
+        "y": places[:, 1],
+        "radius": radius,
+        "area": area,
+    }
+    sides: dict[str, NDArray[Any]] = {"edge_lo": lo, "edge_hi": hi}
     for k, end in enumerate("ab"):
         sides |= {f"edge_{end}x": ends[:, k, 0], f"edge_{end}y": ends[:, k, 1]}
     return xr.Dataset(

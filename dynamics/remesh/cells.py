@@ -52,9 +52,17 @@ class Cells:
 
     def neighbours(self) -> sparse.csr_matrix:
         """Length of the side (m) that two cells share, symmetric, (m, m)."""
+        return self._symmetric(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
+
+    def ease(self) -> sparse.csr_matrix:
+        """How easily area goes between neighbours: that length over their distance, (m, m)."""
         length = np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T)
+        dx, dy = self.x[self.hi] - self.x[self.lo], self.y[self.hi] - self.y[self.lo]
+        return self._symmetric(length / np.hypot(dx, dy))
+
+    def _symmetric(self, values: Array) -> sparse.csr_matrix:
         count = len(self.id)
-        half = sparse.coo_matrix((length, (self.lo, self.hi)), shape=(count, count))
+        half = sparse.coo_matrix((values, (self.lo, self.hi)), shape=(count, count))
         return sparse.csr_matrix(half + half.T)
 
 
@@ -73,11 +81,13 @@ def read_cells(data: xr.Dataset) -> Cells:
 
 
 def polygons_of(start: Index, ring: Array) -> NDArray[np.object_]:
-    """Polygons from open rings: their starts (n + 1,) and corners (c, 2), three each at least."""
+    """Anticlockwise polygons from open rings: starts (n + 1,) and corners (c, 2), three at least."""
     of = np.repeat(np.arange(len(start) - 1), np.diff(start))
     if not len(of):
         return np.empty(0, dtype=object)
-    return np.asarray(shapely.polygons(shapely.linearrings(ring, indices=of)))
+    return np.asarray(
+        shapely.orient_polygons(shapely.polygons(shapely.linearrings(ring, indices=of)))
+    )
 
 
 def rings_of(polygons: NDArray[np.object_]) -> tuple[Index, Array]:

@@ -14,13 +14,18 @@ import shapely
 from numpy.typing import NDArray
 from scipy import sparse
 
-from floeflow.dynamics.remesh.cells import polygons_of
+from floeflow.dynamics.remesh.cells import polygons_of, rings_of
+from floeflow.dynamics.remesh.clip import shared
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 # Shares of an old cell below this are round-off of two outlines that coincide.
 LEAST_PIECE = 1.0e-9
+# A hull larger by less than this share is the polygon itself.
+ROUND_OFF = 1.0e-12
+# Grid on which GEOS intersects two bent outlines, m.
+GRID = 1.0e-6
 
 
 @dataclass(frozen=True)
@@ -103,14 +108,30 @@ def overlap(
     centre : ndarray
         m, (k, 2).
     """
-    source, target = shapely.STRtree(cells).query(old, predicate="intersects")
+    source, target = shapely.STRtree(cells).query(old)
     order = np.lexsort((target, source))
-    source, target = source[order], target[order]
-    shared = shapely.intersection(old[source], cells[target])
-    area = shapely.area(shared)
+    source, target = source[order].astype(np.int64), target[order].astype(np.int64)
+    area, centre = np.zeros(len(source)), np.zeros((len(source), 2))
+    first, second = rings_of(old), rings_of(cells)
+    by_cell, by_old = convex(cells)[target], convex(old)[source]
+    rows = np.flatnonzero(by_cell)
+    area[rows], centre[rows] = shared(*first, *second, source[rows], target[rows])
+    rows = np.flatnonzero(~by_cell & by_old)
+    area[rows], centre[rows] = shared(*second, *first, target[rows], source[rows])
+    rows = np.flatnonzero(~by_cell & ~by_old)
+    # On a grid of the precision of the coordinates GEOS is slower, but safe.
+    both = shapely.intersection(old[source[rows]], cells[target[rows]], grid_size=GRID)
+    area[rows] = shapely.area(both)
+    some = area[rows] > 0
+    centre[rows[some]] = shapely.get_coordinates(shapely.centroid(both[some]))
     keep = area > LEAST_PIECE * shapely.area(old)[source]
-    centre = shapely.get_coordinates(shapely.centroid(shared[keep]))
-    return source[keep], target[keep], area[keep], centre
+    return source[keep], target[keep], area[keep], centre[keep]
+
+
+def convex(polygons: NDArray[np.object_]) -> NDArray[np.bool_]:
+    """Whether polygons have no corner that turns inwards by more than round-off, (n,)."""
+    hull = shapely.area(shapely.convex_hull(polygons))
+    return np.asarray(hull <= (1.0 + ROUND_OFF) * shapely.area(polygons))
 
 
 def covered(source: Index, area: Array, old: NDArray[np.object_]) -> Array:

@@ -87,8 +87,8 @@ def holding(
     step = both + unit
     far = ((step @ step).minimum(1.0) @ step).minimum(1.0)
     beside = _near(old, gap)
-    side = [np.concatenate([lo, beside[0]]), np.concatenate([hi, beside[1]])]
-    known = _table(count, *side, np.ones(len(side[0])))
+    first, second = np.concatenate([lo, beside[0]]), np.concatenate([hi, beside[1]])
+    known = _table(count, first, second, np.ones(len(first)))
     known = (known + known.T).sign() + unit
     held = far - far.multiply(known) + step
     # Seen from lo, end a is on the right; seen from hi it is on the left.
@@ -194,8 +194,7 @@ def fresh_contacts(
         # Within an element stands the mean of its own contacts.
         values = values[pressed]
         twice = np.append(values, values)
-        own = np.bincount(np.append(a, b), weights=twice, minlength=count)
-        own = own / np.maximum(partners, 1)
+        own = np.bincount(np.append(a, b), weights=twice, minlength=count) / np.maximum(partners, 1)
         pair = _table(count, np.append(a, b), np.append(b, a), twice)
         return sparse.csr_matrix(pair + sparse.diags(own))
 
@@ -212,7 +211,7 @@ def fresh_contacts(
     def mean(values: Array) -> Array:
         return mean_over_parts(table(values), share, lo, hi) / weight
 
-    made = {
+    made: Arrays = {
         "id_lo": fresh["id"][lo],
         "id_hi": fresh["id"][hi],
         "slip": np.zeros(len(lo)),

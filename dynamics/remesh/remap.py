@@ -132,15 +132,7 @@ def remap(
     values = {name: state[name].values[laid.rows] for name in names}
     arrived = transport(values, laid.centre, laid.pieces, slopes=slopes)
     beside = cells.neighbours()
-    lengths = np.hypot(cells.x[cells.hi] - cells.x[cells.lo], cells.y[cells.hi] - cells.y[cells.lo])
-    ease = sparse.csr_matrix(
-        (
-            1.0 / np.append(lengths, lengths),
-            (np.append(cells.lo, cells.hi), np.append(cells.hi, cells.lo)),
-        ),
-        shape=beside.shape,
-    ).multiply(beside)
-    move = spread(arrived["area"], cells.area, sparse.csr_matrix(ease))
+    move = spread(arrived["area"], cells.area, cells.ease())
     # What has nothing to be a property of takes the mean over the area that came in, and a hole
     # that of its neighbours.
     share = laid.pieces.matrix()

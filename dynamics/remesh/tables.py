@@ -82,7 +82,7 @@ def with_pairs(state: xr.Dataset, tables: dict[str, Arrays]) -> xr.Dataset:
     contacts = tables["contact"]
     known = [np.stack([t["id_lo"], t["id_hi"]], axis=1) for t in tables.values()]
     lo, hi, overlap = overlapping_discs(state, np.concatenate(known))
-    extra = {name: np.zeros(len(lo)) for name in contacts}
+    extra: Arrays = {name: np.zeros(len(lo)) for name in contacts}
     extra |= {"id_lo": lo, "id_hi": hi, "rest_overlap": overlap}
     tables = tables | {"contact": joined_pairs([contacts, extra])}
     for kind, table in tables.items():

@@ -24,7 +24,8 @@ STRENGTH = 2.0e3
 SPEED, REACH = 0.4, 0.05 * SIDE  # of the current (m/s), and over which it turns (m)
 KEYS = (
     "dynamics: {{compressive_strength: {strength}, samples: 2}}\n"
-    "time: {{window: {window!r}}}\nforcing: {{step: {window!r}}}\nremap: {{every: 1}}\nmerge: {{radius: 0.7}}\n"
+    "time: {{window: {window!r}}}\nforcing: {{step: {window!r}}}\nremap: {{every: 1}}\n"
+    "merge: {{radius: 0.7}}\n"
 )
 
 
