@@ -81,7 +81,7 @@ def read_cells(data: xr.Dataset) -> Cells:
 
 
 def polygons_of(start: Index, ring: Array) -> NDArray[np.object_]:
-    """Anticlockwise polygons from open rings: starts (n + 1,) and corners (c, 2), three at least."""
+    """Anticlockwise polygons from open rings: starts (n + 1,), three corners or more (c, 2)."""
     of = np.repeat(np.arange(len(start) - 1), np.diff(start))
     if not len(of):
         return np.empty(0, dtype=object)

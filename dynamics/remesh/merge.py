@@ -24,7 +24,7 @@ Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 # Gap between the discs of two neighbours, as a share of the sum of their radii.
-WIDEST_GAP = 0.2
+WIDEST_GAP = 0.5
 
 
 def merge_targets(state: xr.Dataset, share: float) -> Index:

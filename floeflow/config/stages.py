@@ -40,9 +40,6 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
     data = scene.model_dump(mode="json")
     if "thermodynamics" not in scene.effects:
         data.pop("column")
-    for cure in ("remap", "merge"):
-        if cure not in scene.effects:
-            data.pop(cure)
     values = {}
     for path in STAGE_KEYS[stage]:
         value: Any = data
