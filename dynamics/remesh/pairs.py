@@ -164,6 +164,61 @@ def fresh_bonds(
     return table
 
 
+def coast_bonds(
+    ancestry: Ancestry, bonds: Arrays, fresh: Arrays, coast: Arrays, gap: float
+) -> Arrays:
+    """Bonds of fresh elements to the coast, where most of their parts were bonded to it.
+
+    The line lies where both discs have the same power, across the line of centres, as long as
+    those of the parts were on average, and no longer than the smaller disc is wide.
+
+    Parameters
+    ----------
+    ancestry, fresh, gap
+        As for `fresh_bonds`.
+    bonds : dict of ndarray
+        Bonds of old elements to the coast.
+    coast : dict of ndarray, shape (c,)
+        id (ascending), x, y, theta and radius of the coast elements.
+    """
+    ashore = np.isin(bonds["id_lo"], coast["id"])
+    land = element_rows(coast["id"], np.where(ashore, bonds["id_lo"], bonds["id_hi"]))
+    ice = element_rows(ancestry.old["id"], np.where(ashore, bonds["id_hi"], bonds["id_lo"]))
+    whole = np.clip(1.0 - bonds["crack_a"] - bonds["crack_b"], 0.0, 1.0)
+    shape = (len(ancestry.old["id"]), len(coast["id"]))
+
+    def over_parts(values: Array) -> sparse.csr_matrix:
+        return ancestry.share.T @ sparse.csr_matrix((values, (ice, land)), shape=shape)
+
+    held = sparse.coo_matrix(over_parts(whole))
+    most = held.data >= LEAST_BOND
+    one, two, share = held.row[most], held.col[most], np.minimum(held.data[most], 1.0)
+    dx, dy = coast["x"][two] - fresh["x"][one], coast["y"][two] - fresh["y"][one]
+    span, radii = np.hypot(dx, dy), (fresh["radius"][one], coast["radius"][two])
+    near = (span < (1.0 + max(gap, 1e-9)) * (radii[0] + radii[1])) & (fresh["thickness"][one] > 0)
+
+    def mean(name: str) -> Array:
+        found = over_parts(whole * bonds[name])[one, two]
+        return np.asarray(found).ravel() / share
+
+    half = np.minimum(0.5 * mean("length"), np.minimum(*radii)) if len(one) else span
+    thickness = np.minimum(mean("thickness"), fresh["thickness"][one]) if len(one) else span
+    arm = 0.5 * (span + (radii[0] ** 2 - radii[1] ** 2) / span)
+    nx, ny = dx / span, dy / span
+    cx, cy = fresh["x"][one] + arm * nx, fresh["y"][one] + arm * ny
+    ends = (cx + half * ny, cy - half * nx, cx - half * ny, cy + half * nx)
+    both = {name: np.append(fresh[name], coast[name]) for name in ("id", "x", "y", "theta")}
+    order = np.argsort(both["id"])
+    both = {name: values[order] for name, values in both.items()}
+    ids = fresh["id"][one[near]], coast["id"][two[near]]
+    ax, ay, bx, by = (end[near] for end in ends)
+    table = new_bonds(both, ids[0], ids[1], ax, ay, bx, by, thickness[near])
+    sorting = np.lexsort((np.maximum(*ids), np.minimum(*ids)))
+    for crack in ("crack_a", "crack_b"):
+        table[crack] = (0.5 * (1.0 - share[near]))[sorting]
+    return table
+
+
 def fresh_contacts(
     ancestry: Ancestry, contacts: Arrays, fresh: Arrays, cells: Cells, bonded: Flags, gap: float
 ) -> Arrays:

@@ -17,11 +17,11 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.elements import bearing_thickness, pair_arrays
+from floeflow.dynamics.elements import joint_thickness, pair_arrays
 from floeflow.dynamics.remesh.cells import Cells, rings_of
 from floeflow.dynamics.remesh.outline import cut
 from floeflow.dynamics.remesh.overlap import Pieces, carried_polygons, covered, make_pieces, overlap
-from floeflow.dynamics.remesh.pairs import Ancestry, fresh_bonds, fresh_contacts
+from floeflow.dynamics.remesh.pairs import Ancestry, coast_bonds, fresh_bonds, fresh_contacts
 from floeflow.dynamics.remesh.spread import enclosed, gather_crumbs, spread
 from floeflow.dynamics.remesh.tables import (
     corner_rows,
@@ -245,6 +245,18 @@ def _total_area(state: xr.Dataset) -> float:
     return float(state["area"].values.sum())
 
 
+def _rows_of(state: xr.Dataset, rows: Index) -> Arrays:
+    names = ("id", "x", "y", "theta", "radius")
+    return {name: state[name].values[rows] for name in names}
+
+
+def _between(table: Arrays, some: Index, others: Index) -> Arrays:
+    """Pairs with one element of each kind."""
+    lo, hi = table["id_lo"], table["id_hi"]
+    both = np.isin(lo, some) & np.isin(hi, others) | np.isin(lo, others) & np.isin(hi, some)
+    return {name: values[both] for name, values in table.items()}
+
+
 def _pairs(
     state: xr.Dataset,
     cells: Cells,
@@ -257,8 +269,8 @@ def _pairs(
     """Bonds and contacts of the fresh elements among themselves; no bonds: an empty dict."""
     total = np.asarray(share.sum(axis=0)).ravel()
     share = sparse.csr_matrix(share @ sparse.diags(1.0 / np.where(total > 0, total, 1.0)))
-    old = {name: state[name].values[laid.rows] for name in ("id", "x", "y", "radius")}
-    old["thickness"] = bearing_thickness(state)[laid.rows]
+    old = _rows_of(state, laid.rows)
+    old["thickness"] = joint_thickness(state)[laid.rows]
     ancestry = Ancestry(share, old)
     fresh: Arrays = {"id": cells.id, "x": cells.x.copy(), "y": cells.y.copy()}
     fresh |= {name: np.zeros(len(cells.id)) for name in ("theta", "radius", "thickness")}
@@ -273,6 +285,10 @@ def _pairs(
         base = int(cells.id[-1]) + 1
         sides = cells.id[cells.lo] * base + cells.id[cells.hi]
         bonded = np.isin(sides, bonds["id_lo"] * base + bonds["id_hi"])
+        coast = _rows_of(state, np.flatnonzero(state["type"].values == COAST))
+        ashore = _between(pair_arrays(state, "bond"), old["id"], coast["id"])
+        if len(ashore["id_lo"]):
+            bonds = joined_pairs([bonds, coast_bonds(ancestry, ashore, fresh, coast, bond_gap)])
     before = kept_pairs(pair_arrays(state, "contact"), old["id"], old["id"])
     if "ridge_closing" not in before:
         return bonds, {name: values[:0] for name, values in before.items()}

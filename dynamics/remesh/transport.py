@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from floeflow.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.dynamics.remesh.overlap import Pieces
+from floeflow.dynamics.remesh.slopes import Groups, Stencil, gradient, make_stencil
 from floeflow.state.schema import MASS, VARIABLES, Variable
 
 Array = NDArray[np.float64]
@@ -27,49 +27,8 @@ Flags = NDArray[np.bool_]
 Index = NDArray[np.int64]
 Rules = Mapping[str, Variable]
 
-# Elements whose differences make a slope, and how far from a line they must lie for one.
-NEIGHBOURS = 8
-ROUNDNESS = 0.02
 # What an element's mass is the sum of, kg per unit of amount.
 MASS_OF = {"ice_volume": ICE_DENSITY, "snow_volume": SNOW_DENSITY}
-
-
-@dataclass(frozen=True)
-class Groups:
-    """Sums, minima and maxima of rows that belong together.
-
-    Parameters
-    ----------
-    order : ndarray
-        Rows, sorted by group, (k,).
-    start, group : ndarray
-        Where each group that has rows begins in that order, and its number.
-    count : int
-        Number of groups.
-    """
-
-    order: Index
-    start: Index
-    group: Index
-    count: int
-
-    @classmethod
-    def of(cls, index: Index, count: int) -> Groups:
-        """Groups of rows by the number of each row's group."""
-        order = np.argsort(index, kind="stable")
-        group, start = np.unique(index[order], return_index=True)
-        return cls(order, start, group, count)
-
-    def reduce(self, how: np.ufunc, rows: Array, empty: float) -> Array:
-        """Reduce rows (k, c) to groups (count, c); groups without rows get ``empty``."""
-        out = np.full((self.count, *rows.shape[1:]), empty)
-        if len(self.start):
-            out[self.group] = how.reduceat(rows[self.order], self.start, axis=0)
-        return out
-
-    def sum(self, rows: Array) -> Array:
-        """Sum of each group."""
-        return self.reduce(np.add, rows, 0.0)
 
 
 def sequence(names: set[str], rules: Rules) -> list[str]:
@@ -160,7 +119,7 @@ def transport(
         pieces,
         Groups.of(pieces.source, pieces.sources),
         Groups.of(pieces.target, pieces.targets),
-        _stencil(centre) if slopes else None,
+        make_stencil(centre) if slopes else None,
     )
     total = amounts(values, rules)
     share: dict[str, Array] = {"area": pieces.area}
@@ -184,33 +143,13 @@ def transport(
 
 
 @dataclass(frozen=True)
-class _Stencil:
-    """Neighbours (n, q) of elements, the way to them (m) and their weights."""
-
-    row: Index
-    dx: Array
-    dy: Array
-    weight: Array
-
-
-def _stencil(centre: Array) -> _Stencil:
-    count = min(NEIGHBOURS + 1, len(centre))
-    row = cKDTree(centre).query(centre, k=count)[1].reshape(len(centre), count)[:, 1:]
-    away = centre[row] - centre[:, None, :]
-    square = (away**2).sum(axis=2)
-    # Twins at one place weigh no more than neighbours a tenth of the way off.
-    floor = 0.01 * square.mean(axis=1, keepdims=True) if count > 1 else square
-    return _Stencil(row, away[..., 0], away[..., 1], 1.0 / np.maximum(square, floor))
-
-
-@dataclass(frozen=True)
 class _Slice:
     """Pieces with what is asked of them again and again."""
 
     pieces: Pieces
     out: Groups
     into: Groups
-    stencil: _Stencil | None
+    stencil: Stencil | None
 
     def carry(self, ratio: Array, there: Flags, weight: Array, rule: Variable) -> Array:
         """Amounts of a property in the pieces, (k, c).
@@ -227,7 +166,7 @@ class _Slice:
         low = ratio[self.pieces.source]
         if self.stencil is None:
             return weight * low
-        gx, gy = _gradient(self.stencil, ratio, there)
+        gx, gy = gradient(self.stencil, ratio, there)
         step = self._from_mean(gx, self.pieces.x, weight)
         step += self._from_mean(gy, self.pieces.y, weight)
         if is_share(rule):
@@ -273,27 +212,6 @@ class _Slice:
             down = np.where(loss < 0, np.clip((least * held - mean) / loss, 0.0, 1.0), 1.0)
         allowed = np.where(change > 0, up[target], np.where(change < 0, down[target], 1.0))
         return np.asarray(part * np.minimum(self.out.reduce(np.minimum, allowed, 1.0), 1.0))
-
-
-def _gradient(stencil: _Stencil, ratio: Array, there: Flags) -> tuple[Array, Array]:
-    """Least-squares slopes (per m) of a property in each element, (n, c); 0 where undetermined."""
-    xx, xy, yy, xr, yr = (np.zeros_like(ratio) for _ in range(5))
-    for q in range(stencil.row.shape[1]):
-        row = stencil.row[:, q]
-        weight = stencil.weight[:, q, None] * (there & there[row])
-        dx, dy = stencil.dx[:, q, None], stencil.dy[:, q, None]
-        change = weight * (ratio[row] - ratio)
-        xx += weight * dx * dx
-        xy += weight * dx * dy
-        yy += weight * dy * dy
-        xr += dx * change
-        yr += dy * change
-    det = xx * yy - xy * xy
-    good = det > ROUNDNESS * (0.5 * (xx + yy)) ** 2
-    det = np.where(good, det, 1.0)
-    gx = np.where(good, (xr * yy - yr * xy) / det, 0.0)
-    gy = np.where(good, (yr * xx - xr * xy) / det, 0.0)
-    return gx, gy
 
 
 def values_of(

@@ -221,3 +221,17 @@ def test_cells_are_cut_to_their_share_where_their_content_is() -> None:
     np.testing.assert_allclose(shapely.area(parts), [4.0, 1.0, 2.0], rtol=1e-9)
     middle = shapely.get_coordinates(shapely.centroid(parts))
     np.testing.assert_allclose(middle, [[1, 1], [1.75, 1], [1, 0.5]], atol=1e-6)
+
+
+def test_fast_ice_stays_frozen_to_the_coast() -> None:
+    state, cells = coast_case(coast_bonds=True)
+
+    def ashore(of: xr.Dataset) -> np.ndarray:
+        coast = of["id"].values[of["type"].values == COAST]
+        return np.isin(of["bond_id_lo"], coast) | np.isin(of["bond_id_hi"], coast)
+
+    after = remapped(jiggled(state, 0.1 * spacing_of(cells)), cells)
+    check_state(after)
+    assert ashore(after).sum() > 0.9 * ashore(state).sum() > 20
+    free = remapped(state.isel(bond=np.flatnonzero(~ashore(state))), cells)
+    assert not ashore(free).any()
