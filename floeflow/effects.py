@@ -207,14 +207,15 @@ _REGISTERED = (
         source="Turner et al. 2022, GMD 15, 1953; Zalesak 1979; Levine & Peres 2009",
         excludes=("merge",),
         state=("cell_corners", "corner_x", "corner_y", "drift_x", "drift_y"),
-        diagnostics=("remap",),
+        diagnostics=("remap_done", "remap_overlap"),
+        rules=("cells",),
     ),
     Effect(
         name="merge",
         physics="Elements that became too small join their largest neighbour.",
         source="Turner et al. 2018 (DEMSI)",
         excludes=("remap",),
-        diagnostics=("merge",),
+        diagnostics=("merge_elements",),
     ),
 )
 
@@ -245,6 +246,15 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
             if need not in names:
                 raise FloeError(f"effects: '{name}' needs '{need}', which the scene does not name")
     return tuple(name for name in EFFECTS if name in names)
+
+
+def compatible(names: Iterable[str]) -> tuple[str, ...]:
+    """Those effects, in the registry's order, that no earlier one of them excludes."""
+    names, kept = set(names), list[str]()
+    for name in EFFECTS:
+        if name in names and not set(EFFECTS[name].excludes) & set(kept):
+            kept.append(name)
+    return tuple(kept)
 
 
 def _collect(field: str, names: Iterable[str]) -> tuple[str, ...]:

@@ -104,7 +104,10 @@ def expected_series(effects: tuple[str, ...]) -> list[str]:
     for series in diagnostic_series(effects):
         if series.startswith("impulse_"):
             names += [f"{series}_x", f"{series}_y"]
-        elif series in ("intact_bonds", "bonds_refrozen"):
+        elif series.startswith(("remap_", "merge_")) or series in (
+            "intact_bonds",
+            "bonds_refrozen",
+        ):
             names.append(series)
         elif series == "ridged_area":
             names += [series, "dissipation_ridging"]
@@ -117,6 +120,16 @@ def intact(state: xr.Dataset) -> np.ndarray:
     """Pairs (id_lo, id_hi) of the bonds that still hold, (bond, 2), sorted."""
     holds = state["bond_crack_a"].values + state["bond_crack_b"].values < 1.0
     return np.stack([state["bond_id_lo"].values, state["bond_id_hi"].values], axis=1)[holds]
+
+
+def broken_by_motion(samples: xr.Dataset, windows: Sequence[int]) -> np.ndarray:
+    """Bonds broken since the start at each boundary, from the samples of the motion alone.
+
+    Remapping and merging make other bonds between windows, so pairs cannot be compared then.
+    """
+    number, held = samples["sample_window"].values, samples["intact_bonds"].values
+    lost = [held[number == window][0] - held[number == window][-1] for window in windows]
+    return np.concatenate([[0], np.cumsum(lost)]).astype(np.int64)
 
 
 def lost_pairs(before: np.ndarray, after: np.ndarray) -> np.ndarray:
