@@ -90,7 +90,7 @@ def advance_window(
     motion = move(comm, scene, state, forcing, log, report)
     state = carry_drift(state, motion.state)
     budget |= volumes(state, "dynamics")
-    began = time.perf_counter()
+    began, used = time.perf_counter(), time.process_time()
     if "thermodynamics" in scene.effects:
         state, terms = advance_columns(comm, scene, state, forcing, (start, end))
         budget |= terms
@@ -99,12 +99,13 @@ def advance_window(
         state, formed = freeze_window(scene, state, touched, forcing, (start, end))
         budget["bonds_refrozen"] = formed
     seconds = time.perf_counter() - began
+    cpu = comm.allreduce(time.process_time() - used)
     state.attrs = {
         **state.attrs,
         "time": end,
         "window": int(state.attrs["window"]) + 1,
     }
-    costs = _costs(scene, comm.size, motion, seconds)
+    costs = _costs(scene, comm.size, motion, (seconds, cpu))
     if {"remap", "merge"} & set(scene.effects):
         began = time.perf_counter()
         state, terms = on_root(comm, cure, scene, state, cells)
@@ -116,12 +117,14 @@ def advance_window(
     return Advanced(state, series, costs)
 
 
-def _costs(scene: Scene, ranks: int, motion: Motion, column_seconds: float) -> list[Record]:
+def _costs(scene: Scene, ranks: int, motion: Motion, column: tuple[float, float]) -> list[Record]:
+    """Records of a window; of the column, wall and processor seconds."""
     n = motion.state.sizes["element"]
     speed = n * motion.steps / motion.seconds if motion.seconds else 0.0
     figures = {
         "steps": motion.steps,
         "element_steps_per_s": speed,
+        "cpu_seconds": motion.cpu_seconds,
         "time_step": motion.time_step,
         "limited_by": motion.limited_by,
     }
@@ -130,7 +133,8 @@ def _costs(scene: Scene, ranks: int, motion: Motion, column_seconds: float) -> l
         Record("dynamics", n, ranks, [motion.seconds], extra=figures),
     ]
     if "thermodynamics" in scene.effects:
-        records.append(Record("column", n, ranks, [column_seconds]))
+        cpu = {"cpu_seconds": column[1]}
+        records.append(Record("column", n, ranks, [column[0]], extra=cpu))
     return records
 
 

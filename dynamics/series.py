@@ -38,6 +38,7 @@ PREFIX_UNITS = {
     "merge_momentum_": "kg m s-1",
     "merge_energy": "J",
     "merge_": "1",
+    "wall_force_": "N",
 }
 
 
@@ -70,7 +71,7 @@ def series_dataset(motion: Motion, budget: dict[str, float], start: float) -> xr
         array = np.asarray(values, dtype=float)
         if name == "time":
             array = array + start
-        data[name] = ("sample", array, {"units": UNITS[name]})
+        data[name] = ("sample", array, {"units": UNITS.get(name) or _unit(name)})
     for name, value in {**motion.budget, **budget}.items():
         data[name] = ((), float(value), {"units": _unit(name)})
     return data

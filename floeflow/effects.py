@@ -41,6 +41,8 @@ class Effect:
         Forcing variables it reads.
     state : tuple of str
         Variables it adds to the state.
+    with_state : tuple of (str, tuple of str)
+        Variables it adds to the state where another effect is named too.
     output : tuple of str
         Variables it adds to the gridded output.
     diagnostics : tuple of str
@@ -61,6 +63,7 @@ class Effect:
     column: tuple[str, ...] = ()
     forcing: tuple[str, ...] = ()
     state: tuple[str, ...] = ()
+    with_state: tuple[tuple[str, tuple[str, ...]], ...] = ()
     output: tuple[str, ...] = ()
     diagnostics: tuple[str, ...] = ()
     rules: tuple[str, ...] = ()
@@ -87,6 +90,12 @@ _BOND_STATE = (
 )
 
 _RIDGE_STATE = ("contact_ridge_closing", "contact_ridge_thickness", "contact_ridge_length")
+
+_WALL_STATE = (
+    *(f"wall_face_{name}" for name in ("wall", "plane", "before", "after")),
+    *(f"wall_face_{name}" for name in ("ax", "ay", "bx", "by", "u", "v")),
+    *("wall_contact_id", "wall_contact_face", "wall_contact_slip", "wall_contact_rest_overlap"),
+)
 
 _REGISTERED = (
     Effect(
@@ -168,6 +177,15 @@ _REGISTERED = (
         diagnostics=("bonds_refrozen",),
     ),
     Effect(
+        name="walls",
+        physics="Rigid walls, also moving ones: sides of the scene, planes, triangle meshes.",
+        source="The contact laws against a rigid partner",
+        state=_WALL_STATE,
+        with_state=(("ridging", tuple(f"wall_{name}" for name in _RIDGE_STATE)),),
+        diagnostics=("impulse_wall",),
+        figures=("series_walls",),
+    ),
+    Effect(
         name="thermodynamics",
         physics="Growth and melt of ice and snow in each element's column between windows.",
         source="Semtner 1976 (zero-layer)",
@@ -205,7 +223,7 @@ _REGISTERED = (
         name="remap",
         physics="Distorted elements are replaced by fresh ones that hold the same, conservatively.",
         source="Turner et al. 2022, GMD 15, 1953; Zalesak 1979; Levine & Peres 2009",
-        excludes=("merge",),
+        excludes=("merge", "walls"),
         state=("cell_corners", "corner_x", "corner_y", "drift_x", "drift_y"),
         diagnostics=("remap_done", "remap_overlap"),
         rules=("cells",),
@@ -248,13 +266,14 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in EFFECTS if name in names)
 
 
-def compatible(names: Iterable[str]) -> tuple[str, ...]:
-    """Those effects, in the registry's order, that no earlier one of them excludes."""
-    names, kept = set(names), list[str]()
+def compatible(names: Iterable[str], first: str = "") -> tuple[str, ...]:
+    """Those effects, in the registry's order, that none before them excludes; ``first`` stays."""
+    names, kept = set(names), [first] if first else list[str]()
     for name in EFFECTS:
-        if name in names and not set(EFFECTS[name].excludes) & set(kept):
+        clash = (other for other in kept if name in EFFECTS[other].excludes)
+        if name in names and not set(EFFECTS[name].excludes) & set(kept) and not any(clash):
             kept.append(name)
-    return tuple(kept)
+    return tuple(name for name in EFFECTS if name in kept)
 
 
 def _collect(field: str, names: Iterable[str]) -> tuple[str, ...]:
@@ -274,7 +293,15 @@ def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
 
 def state_variables(names: Iterable[str]) -> tuple[str, ...]:
     """Variables that these effects add to the state."""
-    return _collect("state", names)
+    names = tuple(names)
+    both = (
+        variable
+        for name in names
+        for other, variables in EFFECTS[name].with_state
+        if other in names
+        for variable in variables
+    )
+    return tuple(dict.fromkeys((*_collect("state", names), *both)))
 
 
 def output_variables(names: Iterable[str]) -> tuple[str, ...]:

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 KEPT = ("x", "y", "theta", "u", "v", "radius", "area")
 # Columns of the dump after id and type: name there, name here (none: always 0), and format.
@@ -63,52 +64,64 @@ def make_frames(states: Iterable[xr.Dataset]) -> xr.Dataset:
     states : iterable of xarray.Dataset
         States at window boundaries, ascending in time, from the first on; read once.
 
+    Every element that ever was is in all frames, as MDAnalysis asks for. Where it is not (before
+    remapping made it, after it was merged) it stands where it is next or was last, with no
+    radius, area or mass.
+
     Returns
     -------
     xarray.Dataset
         On (time, element): x, y, radius (m), theta (rad), u, v (m/s), area (m2), mass (kg),
-        ice_fraction (1), thickness (m; 0 where an element has no ice). Coordinates time (s), id
-        and type; the bonds intact at the first boundary as columns of their elements,
+        ice_fraction (1), thickness (m; 0 where an element has no ice), present; of remapped
+        elements the net displacement of their ice, drift_x and drift_y (m). Coordinates time (s),
+        id and type; the bonds intact at the first boundary as columns of their elements,
         pair(bond, end).
 
     Raises
     ------
     FloeError
-        Where there is no element, or a state has other elements than the first one.
+        Where there is no element.
     """
-    rows: dict[str, list[Array]] = {}
+    rows: list[dict[str, Array]] = []
+    held: list[Index] = []
     times: list[float] = []
+    kinds: dict[int, int] = {}
     first: xr.Dataset | None = None
     for state in states:
         if first is None:
             first = state
-        _check_same(first, state)
         times.append(float(state.attrs["time"]))
-        for name, values in _columns(state).items():
-            rows.setdefault(name, []).append(values)
+        rows.append(_columns(state))
+        held.append(state["id"].values)
+        kinds.update(zip(held[-1].tolist(), state["type"].values.tolist(), strict=True))
     if first is None or not first.sizes["element"]:
         raise FloeError("trajectory: the run has no elements, so there is nothing to follow")
-    ids = first["id"].values
+    ids = np.array(sorted(kinds), dtype=np.int64)
+    present = np.stack([np.isin(ids, some) for some in held])
+    data = {name: (("time", "element"), _laid(present, rows, name)) for name in rows[0]}
+    data["present"] = (("time", "element"), present)
     pairs = intact(first) if "bond_id_lo" in first else np.zeros((0, 2), dtype=np.int64)
-    data = {name: (("time", "element"), np.stack(values)) for name, values in rows.items()}
     return xr.Dataset(
         data | {"pair": (("bond", "end"), np.searchsorted(ids, pairs).astype(np.int64))},
         coords={
             "time": np.asarray(times),
             "id": ("element", ids),
-            "type": ("element", first["type"].values),
+            "type": ("element", np.array([kinds[i] for i in ids.tolist()], dtype=np.int8)),
         },
     )
 
 
-def _check_same(first: xr.Dataset, state: xr.Dataset) -> None:
-    odd = np.setxor1d(first["id"].values, state["id"].values)
-    if len(odd):
-        windows = [int(each.attrs["window"]) for each in (first, state)]
-        raise FloeError(
-            f"trajectory: element {odd[0]} is in only one of the states {windows[0]:04d} and "
-            f"{windows[1]:04d}, and a trajectory needs the same elements throughout"
-        )
+def _laid(present: NDArray[np.bool_], rows: list[dict[str, Array]], name: str) -> Array:
+    """One column of all frames, (time, element); places are filled where elements are absent."""
+    out = np.zeros(present.shape)
+    for k, row in enumerate(rows):
+        out[k, present[k]] = row[name]
+    if name not in ("x", "y") or present.all():
+        return out
+    frame = np.arange(len(present))[:, None]
+    last = np.maximum.accumulate(np.where(present, frame, -1), axis=0)
+    nearest = np.where(last >= 0, last, present.argmax(axis=0))
+    return np.asarray(np.take_along_axis(out, nearest, axis=0))
 
 
 def _columns(state: xr.Dataset) -> dict[str, Array]:
@@ -119,7 +132,8 @@ def _columns(state: xr.Dataset) -> dict[str, Array]:
         load = load + SNOW_DENSITY * state["snow_volume"].values.sum(axis=1)
     thickness = np.divide(volume, fraction, out=np.zeros_like(volume), where=fraction > 0)
     made = {"mass": area * load, "ice_fraction": fraction, "thickness": thickness}
-    return {name: state[name].values for name in KEPT} | made
+    kept = [*KEPT, *(name for name in ("drift_x", "drift_y") if name in state)]
+    return {name: state[name].values for name in kept} | made
 
 
 def make_universe(frames: xr.Dataset, corner: tuple[float, float]) -> "MDAnalysis.Universe":
@@ -213,7 +227,10 @@ def _rows(frame: xr.Dataset) -> Iterable[str]:
 
 
 def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
-    """Statistics of the mobile elements' drift.
+    """Statistics of the drift of the mobile elements that are in all frames.
+
+    Fresh elements of remapped states begin at their cells, so that positions tell no paths: of
+    those there is only the net displacement that their ice carries, as drift_distance.
 
     Parameters
     ----------

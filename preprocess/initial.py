@@ -10,6 +10,7 @@ from floeflow import stage
 from floeflow.column.params import ColumnParams
 from floeflow.config import stage_hash
 from floeflow.config.blocks import Scene
+from floeflow.preprocess.walls import wall_variables
 from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
 from floeflow.state.schema import VARIABLES, expected_variables
 
@@ -54,8 +55,10 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
         made[f"corner_{axis}"] = packing[f"cell_{axis}"].values - np.repeat(
             packing[axis].values, corners
         )
+    made |= wall_variables(scene, packing) if "walls" in scene.effects else {}
     sizes = {"element": packing.sizes["element"], "category": packing.sizes["category"]}
     sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}
+    sizes["wall_contact"] = len(made.get("wall_contact_id", ()))
     data = {}
     for name in expected_variables(scene.effects):
         rule = VARIABLES[name]

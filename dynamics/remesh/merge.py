@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from floeflow.dynamics.bondtable import Arrays, element_rows
 from floeflow.dynamics.elements import pair_arrays
-from floeflow.dynamics.remesh.tables import element_values, put_together, with_pairs
+from floeflow.dynamics.remesh.tables import element_values, put_together, with_pairs, with_walls
 from floeflow.dynamics.remesh.transport import amounts, values_of
 from floeflow.state.schema import MASS, MOBILE, VARIABLES
 
@@ -95,7 +95,7 @@ def merge(state: xr.Dataset, into: Index) -> xr.Dataset:
     if "bond" in tables:
         apart = ~_same_pairs(tables["contact"], tables["bond"])
         tables["contact"] = {name: v[apart] for name, v in tables["contact"].items()}
-    return with_pairs(out, tables)
+    return with_walls(with_pairs(out, tables), state, state["id"].values[into])
 
 
 def _dot(add: sparse.csr_matrix, values: Array) -> Array:

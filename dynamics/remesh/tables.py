@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from floeflow.dynamics.bondtable import Arrays, element_rows
+from floeflow.dynamics.elements import pair_arrays
+from floeflow.dynamics.walls import distances
 from floeflow.state.schema import COAST, VARIABLES
 
 Array = NDArray[np.float64]
@@ -89,6 +91,56 @@ def with_pairs(state: xr.Dataset, tables: dict[str, Arrays]) -> xr.Dataset:
         for name, values in table.items():
             full = f"{kind}_{name}"
             state[full] = (kind, values.astype(VARIABLES[full].dtype, copy=False))
+    return state
+
+
+def with_walls(state: xr.Dataset, before: xr.Dataset, names: Index) -> xr.Dataset:
+    """State with its walls: contacts keep their elastic overlap, new ones begin without force.
+
+    Parameters
+    ----------
+    state, before : xarray.Dataset
+        State with other elements than before; both at the same time.
+    names : ndarray
+        Id that each element of ``before`` goes by now, (n,).
+    """
+    if "wall_contact_id" not in before:
+        return state
+    time = float(before.attrs["time"])
+    contacts, faces = (pair_arrays(before, f"wall_{kind}") for kind in ("contact", "face"))
+
+    def overlap(of: xr.Dataset, ids: Index, face: Index) -> Array:
+        row = element_rows(of["id"].values, ids)
+        place = of["x"].values[row], of["y"].values[row]
+        some = {name: values[face] for name, values in faces.items()}
+        return np.asarray(of["radius"].values[row] - distances(some, *place, time))
+
+    elastic = overlap(before, contacts["id"], contacts["face"]) - contacts["rest_overlap"]
+    contacts["id"] = names[element_rows(before["id"].values, contacts["id"])]
+    # Of the contacts that have become one the hardest stays.
+    order = np.lexsort((-elastic, contacts["face"], contacts["id"]))
+    pair = np.stack([contacts["id"], contacts["face"]], axis=1)[order]
+    first = np.append(True, (np.diff(pair, axis=0) != 0).any(axis=1))[: len(pair)]
+    contacts = {name: values[order[first]] for name, values in contacts.items()}
+    now = overlap(state, contacts["id"], contacts["face"])
+    contacts["rest_overlap"] = now - elastic[order[first]]
+    mobile = state["id"].values[state["type"].values != COAST]
+    ids = np.repeat(mobile, len(faces["ax"]))
+    face = np.tile(np.arange(len(faces["ax"])), len(mobile))
+    base = len(faces["ax"])
+    new = ~np.isin(ids * base + face, contacts["id"] * base + contacts["face"])
+    ids, face = ids[new], face[new]
+    touching = overlap(state, ids, face)
+    some = touching > 0
+    extra: Arrays = {name: np.zeros(int(some.sum())) for name in contacts}
+    extra |= {"id": ids[some], "face": face[some], "rest_overlap": touching[some]}
+    contacts = {name: np.concatenate([contacts[name], extra[name]]) for name in contacts}
+    order = np.lexsort((contacts["face"], contacts["id"]))
+    for kind, table in (("face", faces), ("contact", contacts)):
+        for name, values in table.items():
+            full = f"wall_{kind}_{name}"
+            values = values[order] if kind == "contact" else values
+            state[full] = (f"wall_{kind}", values.astype(VARIABLES[full].dtype, copy=False))
     return state
 
 

@@ -18,6 +18,8 @@ from floeflow.state.schema import MOBILE, VARIABLES
 
 SIDE, MASK_CELLS = 1.0e6, 50
 CATEGORIES = 5
+# Radius of the circle (m) on which a sheet stays on the sea.
+WIDEST_CIRCLE = 0.06 * SIDE
 # Thickness (m) of the categories where the sheet is smooth.
 THICKNESS = np.array([0.3, 1.0, 1.8, 3.0, 5.5])
 Move = Callable[[xr.Dataset, int], tuple[np.ndarray, np.ndarray, np.ndarray]]
@@ -95,10 +97,11 @@ def disc(radius: float) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
 
 
 def round_trip(step: float, steps: int) -> Move:
-    """Translations by ``step`` (m) each that lead back around a circle."""
+    """Translations by ``step`` (m) each that lead back around a circle, once or several times."""
+    turns = int(np.ceil(step * steps / (2.0 * np.pi * WIDEST_CIRCLE)))
 
     def move(state: xr.Dataset, k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        angle = 2.0 * np.pi * (k + 0.5) / steps
+        angle = 2.0 * np.pi * turns * (k + 0.5) / steps
         still = np.zeros(state.sizes["element"])
         return still + step * np.cos(angle), still + step * np.sin(angle), still
 

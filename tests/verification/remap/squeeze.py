@@ -37,18 +37,16 @@ class Squeeze:
     ----------
     width : list of float
         Width of the pack over that at the start: spread of the ice along x.
-    step, seconds, elements, volume, sea : list
-        Time step (s), processor time of the dynamics (s), mobile elements, ice volume (m3), and
-        areas and unclaimed water over the ocean's area.
-    overlap : list of float
-        How far discs overlap at most, over the mean radius.
+    step, steps, elements, volume, sea : list
+        Time step (s) and number of steps, elements, ice volume (m3), and areas and unclaimed
+        water over the ocean's area.
     fault : str
         Why it ended early; empty if it did not.
     """
 
     width: list[float]
     step: list[float]
-    seconds: list[float]
+    steps: list[int]
     elements: list[int]
     volume: list[float]
     sea: list[float]
@@ -104,7 +102,7 @@ def squeeze(cure: str, elements: int, windows: int, folder: Path) -> Squeeze:
         record = next(r for r in done.cost if r.name == "dynamics")
         out.width.append(width_of(state) / first)
         out.step.append(record.extra["time_step"])
-        out.seconds.append(record.seconds[0])
+        out.steps.append(record.extra["steps"])
         out.elements.append(int(state.sizes["element"]))
         out.volume.append(float(area @ state["ice_volume"].values.sum(axis=1)))
         total = float(area.sum()) + float(state.attrs["unclaimed_water"])

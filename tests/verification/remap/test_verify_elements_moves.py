@@ -140,7 +140,7 @@ def step_thickness(x: np.ndarray) -> np.ndarray:
 
 def step_sheet(elements: int) -> Sheet:
     """A sheet whose categories are alike and step from 1 m to 2 m in the middle."""
-    made = make_sheet(elements, disc(0.36 * SIDE))
+    made = make_sheet(elements, disc(0.34 * SIDE))
     state = made.state.copy(deep=True)
     fraction = np.full(state["ice_fraction"].shape, 0.19)
     fraction[state["type"].values != MOBILE] = 0.0
