@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -59,14 +59,13 @@ COLUMNS = (
 def make_frames(states: Iterable[xr.Dataset]) -> xr.Dataset:
     """Lay what a trajectory needs of the states along time.
 
+    Every element that ever was is in all frames, as MDAnalysis asks for. Where it is not (before
+    remapping made it, after it was merged) it stands where it was last or is next, with no mass.
+
     Parameters
     ----------
     states : iterable of xarray.Dataset
         States at window boundaries, ascending in time, from the first on; read once.
-
-    Every element that ever was is in all frames, as MDAnalysis asks for. Where it is not (before
-    remapping made it, after it was merged) it stands where it is next or was last, with no
-    radius, area or mass.
 
     Returns
     -------
@@ -98,8 +97,8 @@ def make_frames(states: Iterable[xr.Dataset]) -> xr.Dataset:
         raise FloeError("trajectory: the run has no elements, so there is nothing to follow")
     ids = np.array(sorted(kinds), dtype=np.int64)
     present = np.stack([np.isin(ids, some) for some in held])
-    data = {name: (("time", "element"), _laid(present, rows, name)) for name in rows[0]}
-    data["present"] = (("time", "element"), present)
+    columns: dict[str, NDArray[Any]] = {name: _laid(present, rows, name) for name in rows[0]}
+    data = {name: (("time", "element"), v) for name, v in (columns | {"present": present}).items()}
     pairs = intact(first) if "bond_id_lo" in first else np.zeros((0, 2), dtype=np.int64)
     return xr.Dataset(
         data | {"pair": (("bond", "end"), np.searchsorted(ids, pairs).astype(np.int64))},
@@ -229,8 +228,8 @@ def _rows(frame: xr.Dataset) -> Iterable[str]:
 def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
     """Statistics of the drift of the mobile elements that are in all frames.
 
-    Fresh elements of remapped states begin at their cells, so that positions tell no paths: of
-    those there is only the net displacement that their ice carries, as drift_distance.
+    Remapped elements begin at their cells, so that positions tell no paths: of those there is
+    only the net displacement that their ice carries, as drift_distance.
 
     Parameters
     ----------
@@ -250,25 +249,30 @@ def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
         Where no element is mobile or the windows are not of one length.
     """
     time, x, y = (frames[name].values for name in ("time", "x", "y"))
-    mobile = np.flatnonzero(frames["type"].values == MOBILE)
-    lag, msd = mean_squared_displacement(time, x[:, mobile], y[:, mobile])
+    steady = (frames["type"].values == MOBILE) & frames["present"].values.all(axis=0)
+    mobile = np.flatnonzero(steady)
+    gone = drift_distance(x[:, mobile], y[:, mobile])
+    if "drift_x" in frames:
+        gone = np.hypot(*(frames[f"drift_{axis}"].values[:, mobile] for axis in ("x", "y")))
     data = xr.Dataset(
         {
             "id": ("element", frames["id"].values[mobile], {"units": "1"}),
             "drift_distance": (
                 ("time", "element"),
-                drift_distance(x[:, mobile], y[:, mobile]),
+                gone,
                 {"units": "m", "long_name": "distance gone since the start"},
             ),
-            "mean_squared_displacement": (
-                "lag",
-                msd,
-                {"units": "m2", "long_name": "mean over elements and times of the same lag"},
-            ),
         },
-        coords={"time": ("time", time, {"units": "s"}), "lag": ("lag", lag, {"units": "s"})},
+        coords={"time": ("time", time, {"units": "s"})},
     )
+    if "drift_x" in frames:
+        return data
+    lag, msd = mean_squared_displacement(time, x[:, mobile], y[:, mobile])
+    attrs = {"units": "m2", "long_name": "mean over elements and times of the same lag"}
+    data["mean_squared_displacement"] = ("lag", msd, attrs)
+    data = data.assign_coords(lag=("lag", lag, {"units": "s"}))
     pairs = frames["pair"].values
+    pairs = pairs[steady[pairs].all(axis=1)]
     if len(pairs):
         text = "mean squared change of the vectors between elements bonded at the start"
         attrs = {"units": "m2", "long_name": text}

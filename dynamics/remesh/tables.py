@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from floeflow.dynamics.bondtable import Arrays, element_rows
 from floeflow.dynamics.elements import pair_arrays
-from floeflow.dynamics.walls import distances
+from floeflow.dynamics.walls import distances, overlapping
 from floeflow.state.schema import COAST, VARIABLES
 
 Array = NDArray[np.float64]
@@ -124,16 +124,14 @@ def with_walls(state: xr.Dataset, before: xr.Dataset, names: Index) -> xr.Datase
     contacts = {name: values[order[first]] for name, values in contacts.items()}
     now = overlap(state, contacts["id"], contacts["face"])
     contacts["rest_overlap"] = now - elastic[order[first]]
-    mobile = state["id"].values[state["type"].values != COAST]
-    ids = np.repeat(mobile, len(faces["ax"]))
-    face = np.tile(np.arange(len(faces["ax"])), len(mobile))
+    ice = np.flatnonzero(state["type"].values != COAST)
+    elements = {name: state[name].values[ice] for name in ("id", "x", "y", "radius")}
+    found = overlapping(faces, elements, time)
     base = len(faces["ax"])
-    new = ~np.isin(ids * base + face, contacts["id"] * base + contacts["face"])
-    ids, face = ids[new], face[new]
-    touching = overlap(state, ids, face)
-    some = touching > 0
-    extra: Arrays = {name: np.zeros(int(some.sum())) for name in contacts}
-    extra |= {"id": ids[some], "face": face[some], "rest_overlap": touching[some]}
+    known = contacts["id"] * base + contacts["face"]
+    new = ~np.isin(found["id"] * base + found["face"], known)
+    none = np.zeros(int(new.sum()))
+    extra = {name: found[name][new] if name in found else none for name in contacts}
     contacts = {name: np.concatenate([contacts[name], extra[name]]) for name in contacts}
     order = np.lexsort((contacts["face"], contacts["id"]))
     for kind, table in (("face", faces), ("contact", contacts)):
