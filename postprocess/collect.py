@@ -39,6 +39,12 @@ GRID_QUANTITIES = {
     "ice_volume": ("sivol",),
     "snow_volume": ("siconc", "sisnthick"),
 }
+# What lies in elements outside of the grid.
+GRID_OUTSIDE = {
+    "ice_area": "siarea_outside",
+    "ice_volume": "sivolume_outside",
+    "snow_volume": "sisnvolume_outside",
+}
 
 
 def window_file(folder: Path, window: int, suffix: str) -> Path:
@@ -227,7 +233,7 @@ def cell_area(grid: xr.Dataset, path: Path) -> np.ndarray:
 
 
 def summarise_grids(paths: Sequence[Path]) -> xr.Dataset:
-    """Totals of the gridded output on ``grid``: grid_ice_area, grid_ice_volume, ..."""
+    """Totals of the gridded output on ``grid``: grid_ice_area, outside_ice_area, ..."""
     rows: list[dict[str, float]] = []
     for path in paths:
         data = read_grid(path)
@@ -239,6 +245,8 @@ def summarise_grids(paths: Sequence[Path]) -> xr.Dataset:
                 for factor in factors:
                     product = product * data[factor].values
                 row[f"grid_{name}"] = float(np.nansum(product))
+                if GRID_OUTSIDE[name] in data:
+                    row[f"outside_{name}"] = float(data[GRID_OUTSIDE[name]])
         rows.append(row)
     names = sorted(set.intersection(*(set(row) for row in rows))) if rows else []
     columns = {name: ("grid", np.array([row[name] for row in rows])) for name in names}

@@ -116,6 +116,9 @@ class Packing(Block):
     bond_concentration: float = key(
         0.8, "Elements with less ice than this are floes apart: no bonds.", "1", ge=0, le=1
     )
+    coast_bonds: bool = key(
+        False, "Fast ice: elements beside the coast are frozen to it, and refreeze to it."
+    )
 
 
 class Cyclone(Block):
