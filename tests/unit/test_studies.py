@@ -40,7 +40,7 @@ EXAMPLES = ("free_drift_day", "winter_pack", "summer_melt_month", "marginal_ice_
 
 
 @pytest.fixture(autouse=True)
-def _in_project(monkeypatch: pytest.MonkeyPatch):
+def _in_project(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
 
 
