@@ -14,8 +14,6 @@ from floeflow.estimate.conditions import conditions
 from floeflow.estimate.cost import COSTS, coefficients
 from floeflow.plan.precision import PRECISION, error_model
 from floeflow.plan.propose import Proposal, for_budget, for_error, parse_budget, proposals
-from floeflow.plan.refit import refit
-from floeflow.postprocess.wording import duration
 
 
 def main() -> int:
@@ -39,6 +37,8 @@ def main() -> int:
 
 
 def _refit(results: Path) -> str:
+    from floeflow.plan.refit import refit
+
     names = refit(results, COSTS, PRECISION)
     return f"Fitted to {', '.join(names)}:\n  {COSTS}\n  {PRECISION}"
 
@@ -76,8 +76,16 @@ def _settings(proposal: Proposal) -> list[str]:
     return [f"  {path}: {value:g}" for path, value in proposal.changes.items()]
 
 
+def as_time(seconds: float) -> str:
+    """A time in its best unit, to two digits."""
+    for unit, name in ((86400.0, "d"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * unit:
+            return f"{seconds / unit:.2g} {name}"
+    return f"{seconds:.2g} s"
+
+
 def _say(proposal: Proposal) -> str:
-    return f"about {duration(proposal.seconds)}, error about {100 * proposal.error:.2g} %"
+    return f"about {as_time(proposal.seconds)}, error about {100 * proposal.error:.2g} %"
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from floeflow.studies.norms import KEPT
+from floeflow.studies.measures import KEPT
 
 if TYPE_CHECKING:
     from floeflow.config import Scene

@@ -18,7 +18,7 @@ from floeflow.plan.precision import Model, knob_errors, total_error
 from floeflow.studies.knobs import Knob, knobs
 
 # Combinations looked at; coarse and fine ends of the knobs go first where there are more.
-MOST = 20_000
+MOST = 4_000
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from floeflow.estimate.conditions import Conditions, conditions
 from floeflow.plan.precision import resolutions
 from floeflow.plan.propose import adjusted
 from floeflow.state import read_dataset
-from floeflow.studies.norms import KEPT
+from floeflow.studies.measures import KEPT
 from floeflow.studies.variants import BASE
 
 # Errors below this are round-off or chaos and say nothing of a law.
