@@ -5,11 +5,6 @@ snakemake --profile workflows/profiles/local --config scene=PATH -- ablation
 """
 
 
-def ablation_records(wildcards):
-    """Records of all runs of the ablation study."""
-    return study_records("ablation")
-
-
 rule ablation:
     input:
         f"{RUN.folder}/ablation.html",

@@ -5,11 +5,6 @@ snakemake --profile workflows/profiles/local --config scene=PATH -- accuracy
 """
 
 
-def accuracy_records(wildcards):
-    """Records of all runs of the accuracy study."""
-    return study_records("accuracy")
-
-
 rule accuracy:
     input:
         f"{RUN.folder}/accuracy.html",
