@@ -71,8 +71,9 @@ def scene_section(
 
 def summary(studies: Sequence[tuple[Scene, Ablation, Accuracy]]) -> Table:
     """One line for each scene: ranks of the estimates, savings, chaos, work."""
-    head = ("scene", "rank correlation", "lean run saves (%)", "cost model said (%)")
-    head += ("lean run moves results by (%)", "chaos in positions (%)", "work of default run (s)")
+    head: tuple[str, ...] = ("scene", "rank correlation", "lean run saves (%)")
+    head += ("cost model said (%)", "lean run moves results by (%)", "chaos in positions (%)")
+    head += ("work of default run (s)",)
     rows = [
         (
             scene.name,
