@@ -24,7 +24,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "packing": ("seed", "packing", "effects.coast"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
     "forcing": ("domain", "forcing", "time.start", "time.window", FORCING_VARIABLES),
-    "initial": ("time.start", "effects", "column.ocean_salinity"),
+    "initial": ("time.start", "effects", "column.ocean_salinity", "walls"),
     "dynamics": ("effects", "dynamics", "time.window", "packing.coast_bonds"),
     "column": ("effects", "column", "time.window"),
     "grid": ("domain", "effects", "time.start", "time.window"),

@@ -56,6 +56,12 @@ def bonds_input(wildcards):
     )
 
 
+def wall_mesh(wildcards):
+    """Mesh of a wall, where the scene has one."""
+    wanted = "walls" in EFFECTS and RUN.scene.walls.mesh
+    return RUN.scene.walls.mesh if wanted else []
+
+
 def grid_inputs(wildcards):
     """Gridded output at all ends of groups, where the scene has it."""
     ends = ["0000", *RUN.ends] if GRIDDED else []
