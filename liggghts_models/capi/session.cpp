@@ -114,7 +114,12 @@ const char *floe_sum_names(void) {
 int floe_sums(void *instance, double *out, int size) {
   return floe::guarded([&] {
     const floe::Parts parts = floe::find_parts(lmp_of(instance));
+    if (parts.fix->fused) parts.fix->write_forces();
     const floe::PairSums pairs = parts.floe->sums(parts.pair);
+    const floe::DampingWork damping = parts.fix->damping_to_now();
+    floe::Ledger ledger = parts.fix->ledger;
+    ledger.dissipation_bond += damping.bond;
+    ledger.dissipation_contact += damping.contact;
     const KineticSums moving = kinetic_sums(lmp_of(instance));
     // Three structures of doubles and nothing else, in the order of the names.
     std::vector<double> all;
@@ -124,7 +129,7 @@ int floe_sums(void *instance, double *out, int size) {
       all.resize(start + sizeof(part) / sizeof(double));
       std::memcpy(all.data() + start, &part, sizeof(part));
     };
-    append(parts.fix->ledger);
+    append(ledger);
     append(pairs);
     append(moving);
     if (static_cast<int>(all.size()) != size) throw floe::LiggghtsError("floe_sums: wrong size");
