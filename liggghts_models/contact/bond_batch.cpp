@@ -66,7 +66,7 @@ FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, int nu
   }
   int lo[Width], hi[Width];
   double *to_lo[Width], *to_hi[Width];
-  Load nowhere[2] = {};
+  Load nowhere[Exact ? 2 : 1];
   for (int k = 0; k < Width; ++k) {
     lo[k] = block.lo[first + k];
     hi[k] = block.hi[first + k];
@@ -75,6 +75,7 @@ FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, int nu
   }
   const bool whole = Whole && all(holds);
   if (!whole) {
+    for (Load &row : nowhere) row = {};
     for (int k = 0; k < Width; ++k) {
       if (k < count && holds[k]) continue;
       to_lo[k] = to_hi[k] = &nowhere[0].fx;
@@ -90,8 +91,7 @@ FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, int nu
   if constexpr (Damp == Damping::exact) {
     BondLineOf<P> still = line;
     still.dn = still.dn_slope = still.dt = none;
-    const PairForceOf<P> part =
-        bond_force(t.material, s.constants, s.shape, still, s.pose, power);
+    const PairForceOf<P> part = bond_force(t.material, s.constants, s.shape, still, s.pose, power);
     for (int k = 0; k < Width; ++k) {
       if (!whole && !(k < count && holds[k])) continue;
       to_lo[k] = &t.damped[lo[k]].fx;
@@ -142,7 +142,7 @@ double evaluate_bonds(const BondTask &task, const BondRecords &bonds, std::vecto
   return evaluate_all<Damp, Exact, Pack2, 2>(task, bonds, odd);
 }
 
-#define FLOE_BONDS(damp, exact)                                                     \
+#define FLOE_BONDS(damp, exact)                                                      \
   template double evaluate_bonds<damp, exact>(const BondTask &, const BondRecords &, \
                                               std::vector<int> &)
 FLOE_BONDS(Damping::none, false);

@@ -41,7 +41,7 @@ FLOE_INLINE void evaluate_pack(const ContactTask &t, const int *numbers, int fir
   const double *row[Width], *one[Width], *two[Width];
   double *load_one[Width], *load_two[Width];
   int i[Width], j[Width];
-  P share;
+  bool ghosts = false;
   for (int k = 0; k < Width; ++k) {
     const Ends ends = t.ends[numbers[k]];
     i[k] = ends.i;
@@ -51,7 +51,11 @@ FLOE_INLINE void evaluate_pack(const ContactTask &t, const int *numbers, int fir
     two[k] = &t.bodies[j[k]].x;
     load_one[k] = load_row<Terms::exact_sums>(t.loads, i[k]);
     load_two[k] = load_row<Terms::exact_sums>(t.loads, j[k]);
-    share[k] = j[k] < t.nlocal ? 1.0 : 0.5;
+    ghosts |= j[k] >= t.nlocal;
+  }
+  P share = P{} + 1.0;
+  if (ghosts) {
+    for (int k = 0; k < Width; ++k) share[k] = j[k] < t.nlocal ? 1.0 : 0.5;
   }
   P h[4], d[4], a[4], b[4];
   columns(row, 0, h);
@@ -92,8 +96,9 @@ FLOE_INLINE void evaluate_pack(const ContactTask &t, const int *numbers, int fir
       t.material, {h[2], h[3]}, pose, overlap, t.step, slip, loss, limit);
   const auto idle = overlap <= none;
   const bool partial = any(idle) || count < Width;
-  Load nowhere[2] = {};
+  Load nowhere[Terms::exact_sums ? 2 : 1];
   if (partial) {
+    for (Load &row : nowhere) row = {};
     if (Terms::friction) slip = idle ? none : slip;
     for (int k = 0; k < Width; ++k) {
       if (k < count && !idle[k]) continue;
@@ -151,17 +156,17 @@ void evaluate_contacts(const ContactTask &task, int *touching, int count, Contac
   evaluate_all<Terms, Pack2, 2>(task, touching, count, sums);
 }
 
-#define FLOE_CONTACTS(friction, ridging, damping, exact)                        \
+#define FLOE_CONTACTS(friction, ridging, damping, exact)                            \
   template void evaluate_contacts<ContactTerms<friction, ridging, damping, exact>>( \
       const ContactTask &, int *, int, ContactSums &);
-#define FLOE_CONTACTS_DAMPED(damping)               \
-  FLOE_CONTACTS(false, false, damping, false)       \
-  FLOE_CONTACTS(true, false, damping, false)        \
-  FLOE_CONTACTS(false, true, damping, false)        \
-  FLOE_CONTACTS(true, true, damping, false)         \
-  FLOE_CONTACTS(false, false, damping, true)        \
-  FLOE_CONTACTS(true, false, damping, true)         \
-  FLOE_CONTACTS(false, true, damping, true)         \
+#define FLOE_CONTACTS_DAMPED(damping)         \
+  FLOE_CONTACTS(false, false, damping, false) \
+  FLOE_CONTACTS(true, false, damping, false)  \
+  FLOE_CONTACTS(false, true, damping, false)  \
+  FLOE_CONTACTS(true, true, damping, false)   \
+  FLOE_CONTACTS(false, false, damping, true)  \
+  FLOE_CONTACTS(true, false, damping, true)   \
+  FLOE_CONTACTS(false, true, damping, true)   \
   FLOE_CONTACTS(true, true, damping, true)
 FLOE_CONTACTS_DAMPED(Damping::none)
 FLOE_CONTACTS_DAMPED(Damping::counted)

@@ -75,8 +75,8 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   bool bonds = false, friction = true, ridging = false, kovacs_sodhi = false;
   bool deterministic = false;  // sums per element that do not depend on order and ranks
   bool exact_losses = false;   // losses of damping to second order in the step
-  double compressive = 0.0;  // Pa, where it is constant
-  double reach = 1.0;        // neighbours are kept up to this multiple of the sum of radii
+  double compressive = 0.0;    // Pa, where it is constant
+  double reach = 1.0;          // neighbours are kept up to this multiple of the sum of radii
   BondMaterial bond{};
   ContactMaterial contact{};
   RidgeMaterial ridge{};

@@ -72,12 +72,17 @@ template <bool Exact>
 void PairFloe::bond_alone(int number, Losses &lost) {
   using B = BondBlock;
   const auto at = [&](B::Column column) { return bonded_.at(column, number); };
-  const int lane = number & 3, i = bonded_.block(number).lo[lane], j = bonded_.block(number).hi[lane];
+  const int lane = number & 3, i = bonded_.block(number).lo[lane],
+            j = bonded_.block(number).hi[lane];
   const Body &lo = fix_->bodies[i], &hi = fix_->bodies[j];
-  BondShape shape{{at(B::lo_ax), at(B::lo_ay)}, {at(B::lo_bx), at(B::lo_by)},
-                  {at(B::hi_ax), at(B::hi_ay)}, {at(B::hi_bx), at(B::hi_by)},
-                  0.0,                          0.0,
-                  at(B::crack_a),               at(B::crack_b)};
+  BondShape shape{{at(B::lo_ax), at(B::lo_ay)},
+                  {at(B::lo_bx), at(B::lo_by)},
+                  {at(B::hi_ax), at(B::hi_ay)},
+                  {at(B::hi_bx), at(B::hi_by)},
+                  0.0,
+                  0.0,
+                  at(B::crack_a),
+                  at(B::crack_b)};
   const BondConstants constants{at(B::length), at(B::ratio), at(B::damping), at(B::squeeze)};
   const BondPose pose{{hi.x - lo.x, hi.y - lo.y}, {lo.cos, lo.sin}, {hi.cos, hi.sin},
                       {hi.u - lo.u, hi.v - lo.v}, lo.spin,          hi.spin};

@@ -40,8 +40,8 @@ PairSums PairFloe::sums(PairGran *pg) {
         const BondPose pose{
             d, {omega[lo][0], omega[lo][1]}, {omega[hi][0], omega[hi][1]}, {0.0, 0.0}, 0.0, 0.0};
         const BondShape shape = bond_shape(h);
-        out.elastic_bond += weight * bond_energy(bond, constants_of(shape, lo, hi), shape,
-                                                 bond_line(shape, pose));
+        out.elastic_bond +=
+            weight * bond_energy(bond, constants_of(shape, lo, hi), shape, bond_line(shape, pose));
         out.bonds += weight;
         continue;
       }

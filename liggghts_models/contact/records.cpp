@@ -19,7 +19,7 @@ void BondRecords::add(int lo, int hi, double share, const BondShape &b, const Bo
   if (k % 4 == 0) blocks.emplace_back();
   for (int lane = k; lane < last; ++lane) {
     const double values[BondBlock::column_count] = {
-        b.lo_a.x, b.lo_a.y,  b.lo_b.x,  b.lo_b.y, b.hi_a.x, b.hi_a.y,  b.hi_b.x, b.hi_b.y,
+        b.lo_a.x,  b.lo_a.y,  b.lo_b.x, b.lo_b.y, b.hi_a.x,  b.hi_a.y,  b.hi_b.x, b.hi_b.y,
         b.crack_a, b.crack_b, c.length, c.ratio,  c.damping, c.squeeze, share};
     for (int column = 0; column < BondBlock::column_count; ++column) {
       blocks.back().column[column][lane & 3] = values[column];

@@ -164,11 +164,12 @@ void FixFloeIntegrate::pre_exchange() {
 void FixFloeIntegrate::write_forces() {
   const int count = std::min(atom->nlocal, static_cast<int>(loads.size()));
   for (int i = 0; i < count; ++i) {
-    // Where other fixes add theirs, LIGGGHTS has cleared the arrays.
-    const double kept = fused ? 0.0 : 1.0;
-    atom->f[i][0] = kept * atom->f[i][0] + loads[i].fx;
-    atom->f[i][1] = kept * atom->f[i][1] + loads[i].fy;
-    atom->torque[i][2] = kept * atom->torque[i][2] + loads[i].torque;
+    double *f = atom->f[i], *torque = atom->torque[i];
+    // Where other fixes add theirs LIGGGHTS has cleared the arrays; else they hold anything.
+    if (fused) f[0] = f[1] = f[2] = torque[0] = torque[1] = torque[2] = 0.0;
+    f[0] += loads[i].fx;
+    f[1] += loads[i].fy;
+    torque[2] += loads[i].torque;
   }
 }
 
@@ -176,7 +177,8 @@ void FixFloeIntegrate::write_forces() {
 void FixFloeIntegrate::count_damping(int i, floe::Vec2 u, floe::Vec2 u_new, double spin,
                                      double new_spin, floe::Ledger &sum) const {
   // The first force after the state was set acts from the time of the positions on.
-  const double old_share = first_kick ? 0.25 : 0.5, step = first_kick ? 0.5 * update->dt : update->dt;
+  const double old_share = first_kick ? 0.25 : 0.5,
+               step = first_kick ? 0.5 * update->dt : update->dt;
   const double x = old_share * u.x + (1.0 - old_share) * u_new.x;
   const double y = old_share * u.y + (1.0 - old_share) * u_new.y;
   const double turn = old_share * spin + (1.0 - old_share) * new_spin;
@@ -255,24 +257,28 @@ void FixFloeIntegrate::advance() {
   constexpr int group = 128;
   for (int first = 0; first < nlocal; first += group) {
     const int last = std::min(first + group, nlocal);
-    advance_some<External>(first, last, time, sum);
+    fused ? advance_some<External, true>(first, last, time, sum)
+          : advance_some<External, false>(first, last, time, sum);
     // Of all elements: for those that did not turn it changes nothing.
-    if (use_orientation) floe::write_turns(theta + first, last - first, atom->omega[first]);
-    if (!fused) continue;
-    for (int i = first; i < last; ++i) {
-      const double *x = atom->x[i], *v = atom->v[i], *omega = atom->omega[i];
-      bodies[i] = {x[0], x[1], v[0], v[1], omega[2], omega[0], omega[1], atom->radius[i]};
+    if (!use_orientation) continue;
+    floe::write_turns(theta + first, last - first, atom->omega[first]);
+    for (int i = first; i < last && fused; ++i) {
+      bodies[i].cos = atom->omega[i][0];
+      bodies[i].sin = atom->omega[i][1];
     }
   }
   ledger = sum;
   first_kick = false;
 }
 
-template <bool External>
+template <bool External, bool Fused>
 void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime &time,
                                     floe::Ledger &sum) {
   using floe::Vec2;
-  double **x = atom->x, **v = atom->v, **omega = atom->omega;
+  double **const x = atom->x, **const v = atom->v, **const omega = atom->omega;
+  double *const *const f = atom->f, *const *const torques = atom->torque;
+  floe::Body *const body = bodies.data();
+  const floe::Load *const load = loads.data();
   const double *radius = atom->radius, *mass = atom->rmass;
   const int *type = atom->type, *mask = atom->mask;
   const double step = update->dt;
@@ -280,11 +286,11 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
 
   for (int i = first; i < last; ++i) {
     if (!(mask[i] & groupbit)) continue;
-    const Vec2 contact = fused ? Vec2{loads[i].fx, loads[i].fy}
-                               : Vec2{atom->f[i][0], atom->f[i][1]};
-    const double torque = fused ? loads[i].torque : atom->torque[i][2];
+    const Vec2 contact = Fused ? Vec2{load[i].fx, load[i].fy} : Vec2{f[i][0], f[i][1]};
+    const double torque = Fused ? load[i].torque : torques[i][2];
     if (type[i] == fixed_type) {
       v[i][0] = v[i][1] = omega[i][2] = 0.0;
+      if (Fused) body[i].u = body[i].v = body[i].spin = 0.0;
       sum.impulse_fixed_x += contact.x * step;
       sum.impulse_fixed_y += contact.y * step;
       continue;
@@ -298,8 +304,8 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
       const floe::ForcingSample here = floe::sample_forcing(forcing, time, x[i][0], x[i][1]);
       out =
           floe::drift_step(law, {u, contact, m, area, here.wind, here.ocean, here.coriolis}, step);
-      new_spin = floe::spin_step(law.use_ocean, law.water, spin, torque, m, r, area,
-                                 here.vorticity, step);
+      new_spin =
+          floe::spin_step(law.use_ocean, law.water, spin, torque, m, r, area, here.vorticity, step);
     } else {
       const double per_mass = step / m;
       out.u_new = {u.x + per_mass * contact.x, u.y + per_mass * contact.y};
@@ -310,6 +316,7 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     if (!(distance <= r * r) || !std::isfinite(new_spin)) {
       const bool finite = std::isfinite(distance + new_spin);
       freeze(i, finite ? floe::fault_runaway : floe::fault_not_finite, std::sqrt(distance) / step);
+      if (Fused) body[i].u = body[i].v = body[i].spin = 0.0;
       continue;
     }
     // The mean of old and new velocity makes the works add up to the change of kinetic energy.
@@ -318,11 +325,19 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     sum.work_spin += 0.25 * m * r * r * (new_spin * new_spin - spin * spin);
     if (exact) count_damping(i, u, out.u_new, spin, new_spin, sum);
     if constexpr (External) add_external(sum, out, mean);
+    const Vec2 place{x[i][0] + step * out.u_new.x, x[i][1] + step * out.u_new.y};
     v[i][0] = out.u_new.x;
     v[i][1] = out.u_new.y;
-    x[i][0] += step * out.u_new.x;
-    x[i][1] += step * out.u_new.y;
+    x[i][0] = place.x;
+    x[i][1] = place.y;
     omega[i][2] = new_spin;
+    if (Fused) {
+      body[i].x = place.x;
+      body[i].y = place.y;
+      body[i].u = out.u_new.x;
+      body[i].v = out.u_new.y;
+      body[i].spin = new_spin;
+    }
     theta[i] += step * new_spin;
   }
 }

@@ -81,7 +81,7 @@ class FixFloeIntegrate : public Fix {
  private:
   template <bool External>
   void advance();
-  template <bool External>
+  template <bool External, bool Fused>
   void advance_some(int first, int last, const floe::ForcingTime &, floe::Ledger &);
   void count_damping(int i, floe::Vec2 u, floe::Vec2 u_new, double spin, double new_spin,
                      floe::Ledger &) const;

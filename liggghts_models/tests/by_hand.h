@@ -23,16 +23,22 @@ struct Push {
                             LaneSums *sums) const {
     const double *row[Width], *one[Width], *two[Width];
     double *load_one[Width], *load_two[Width];
-    P share;
+    int i[Width], j[Width];
+    bool ghosts = false;
     for (int k = 0; k < Width; ++k) {
       const Ends ends = t.ends[pairs[k]];
-      const int i = ends.i, j = ends.j();
+      i[k] = ends.i;
+      j[k] = ends.j();
       row[k] = &t.rows[pairs[k]].slip;
-      one[k] = &t.bodies[i].x;
-      two[k] = &t.bodies[j].x;
-      load_one[k] = &t.loads[i].fx;
-      load_two[k] = &t.loads[j].fx;
-      share[k] = j < t.nlocal ? 1.0 : 0.5;
+      one[k] = &t.bodies[i[k]].x;
+      two[k] = &t.bodies[j[k]].x;
+      load_one[k] = &t.loads[i[k]].fx;
+      load_two[k] = &t.loads[j[k]].fx;
+      ghosts |= j[k] >= t.nlocal;
+    }
+    P share = P{} + 1.0;
+    if (ghosts) {
+      for (int k = 0; k < Width; ++k) share[k] = j[k] < t.nlocal ? 1.0 : 0.5;
     }
     P h[4], d[4], a[4], b[4];
     columns(row, 0, h);
@@ -40,14 +46,16 @@ struct Push {
     columns(one, 4, a);
     columns(two, 4, b);
     const P zero{}, distance = root(d[0] * d[0] + d[1] * d[1]);
-    const P overlap = (a[3] + b[3]) - distance, rest = larger(zero, smaller(h[1], overlap));
+    const P gap = (a[3] + b[3]) - distance, rest = larger(zero, smaller(h[1], gap));
+    const P overlap = gap - rest;
     const P inv = 1.0 / distance, nx = d[0] * inv, ny = d[1] * inv;
-    const P elastic = h[2] * (overlap - rest), vn = d[2] * nx + d[3] * ny;
+    const P elastic = h[2] * overlap, vn = d[2] * nx + d[3] * ny;
     const P fn = larger(elastic - h[3] * vn, zero);
     P power = -(fn - elastic) * vn;
-    const auto idle = overlap - rest <= zero;
-    Load nowhere{};
+    const auto idle = overlap <= zero;
+    Load nowhere;
     if (any(idle) || count < Width) {
+      nowhere = {};
       for (int k = 0; k < Width; ++k) {
         if (k < count && !idle[k]) continue;
         load_one[k] = load_two[k] = &nowhere.fx;
@@ -70,16 +78,22 @@ struct Rub {
                             LaneSums *sums) const {
     const double *row[Width], *one[Width], *two[Width];
     double *load_one[Width], *load_two[Width];
-    P share;
+    int i[Width], j[Width];
+    bool ghosts = false;
     for (int k = 0; k < Width; ++k) {
       const Ends ends = t.ends[pairs[k]];
-      const int i = ends.i, j = ends.j();
+      i[k] = ends.i;
+      j[k] = ends.j();
       row[k] = &t.rows[pairs[k]].slip;
-      one[k] = &t.bodies[i].x;
-      two[k] = &t.bodies[j].x;
-      load_one[k] = &t.loads[i].fx;
-      load_two[k] = &t.loads[j].fx;
-      share[k] = j < t.nlocal ? 1.0 : 0.5;
+      one[k] = &t.bodies[i[k]].x;
+      two[k] = &t.bodies[j[k]].x;
+      load_one[k] = &t.loads[i[k]].fx;
+      load_two[k] = &t.loads[j[k]].fx;
+      ghosts |= j[k] >= t.nlocal;
+    }
+    P share = P{} + 1.0;
+    if (ghosts) {
+      for (int k = 0; k < Width; ++k) share[k] = j[k] < t.nlocal ? 1.0 : 0.5;
     }
     P h[4], d[4], a[4], b[4];
     columns(row, 0, h);
@@ -104,8 +118,9 @@ struct Rub {
     }
     const P ft = kt * slip;
     const auto idle = overlap - rest <= zero;
-    Load nowhere{};
+    Load nowhere;
     if (any(idle) || count < Width) {
+      nowhere = {};
       slip = idle ? zero : slip;
       for (int k = 0; k < Width; ++k) {
         if (k < count && !idle[k]) continue;
@@ -149,17 +164,18 @@ template <typename Law>
   evaluate_all<Law, Pack2, 2>(t, pairs, count, sums);
 }
 
-template <typename Law, typename Start>
-FLOE_INLINE void loop_contacts(const ContactTask &t, int count, LaneSums *sums, Start start) {
+template <typename Law, typename Start, typename Forget>
+FLOE_INLINE void loop_contacts(const ContactTask &t, int count, LaneSums *sums, Start start,
+                               Forget forget) {
   constexpr int room = 256;
   int touching[room + 3], found = 0;
   const Body *bodies = t.bodies;
-  Ends *ends = t.ends;
+  const Ends *ends = t.ends;
   for (int k = 0; k < count; ++k) {
     const Body &one = bodies[ends[k].i], &two = bodies[ends[k].j()];
     const double dx = two.x - one.x, dy = two.y - one.y, sum = one.radius + two.radius;
     if (dx * dx + dy * dy >= sum * sum) {
-      if (ends[k].touching()) ends[k].marked_j &= ~Ends::mark;
+      if (ends[k].touching()) forget(k);
       continue;
     }
     if (!ends[k].touching()) start(k);
@@ -222,8 +238,9 @@ FLOE_INLINE void stretch(const BondMaterial &m, double limit2, const BondBlock &
       (smaller(end_a, end_b) >= -squeeze) &
       (larger(end_a, end_b) <= m.tensile_share * squeeze - m.shear_slope * magnitude(dt)) &
       (d[0] * d[0] + d[1] * d[1] <= limit2 * sum * sum);
-  Load nowhere{};
+  Load nowhere;
   if (count < Width || !all(holds)) {
+    nowhere = {};
     for (int k = 0; k < Width; ++k) {
       if (k < count && holds[k]) continue;
       to_lo[k] = to_hi[k] = &nowhere.fx;
@@ -247,11 +264,10 @@ FLOE_INLINE void stretch_all(const BondMaterial &m, double limit2, const BondRec
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx2"), gnu::noinline]] inline void stretch_wide(const BondMaterial &m,
-                                                                double limit2,
-                                                                const BondRecords &bonds,
-                                                                const Body *bodies, Load *loads,
-                                                                std::vector<int> &odd) {
+[[gnu::target("avx2"),
+  gnu::noinline]] inline void stretch_wide(const BondMaterial &m, double limit2,
+                                           const BondRecords &bonds, const Body *bodies,
+                                           Load *loads, std::vector<int> &odd) {
   stretch_all<Pack4, 4>(m, limit2, bonds, bodies, loads, odd);
 }
 #endif

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
-// For the count of instructions (tests/unit/test_pair_loop_cost.py): runs a loop of the pair style some
-// number of times, and beside it one written by hand (by_hand.h), on the same pairs. Arguments: which
-// loop (push, rub or stretch), and how often.
+// For the count of instructions (tests/unit/test_pair_loop_cost.py): runs loops of the pair style some
+// number of times, the argument, and beside each one written by hand (by_hand.h) on the same pairs.
 #include <mpi.h>
 
 #include <algorithm>
@@ -37,12 +36,16 @@ struct Listed {
 };
 
 // Contacts start without slip; constants are the same for all, the discs are equal.
-void start(ContactRecords &contacts, int k, const PairFloe &floe) {
+[[gnu::noinline]] void start(ContactRecords &contacts, int k, const PairFloe &floe) {
   const Ends ends = contacts.ends[k];
   const ContactConstants c =
       contact_constants(floe.contact, 1.0, 1.0, floe.reduced_mass(ends.i, ends.j()));
   contacts.ends[k].marked_j |= Ends::mark;
   contacts.rows[k] = {0.0, 0.0, c.stiffness, c.damping};
+}
+
+[[gnu::noinline]] void forget(ContactRecords &contacts, int k) {
+  contacts.ends[k].marked_j &= ~Ends::mark;
 }
 
 Listed read_lists(PairGran *pair, const PairFloe &floe) {
@@ -74,16 +77,18 @@ Listed read_lists(PairGran *pair, const PairFloe &floe) {
 extern "C" [[gnu::noinline]] double push_by_hand(const ContactTask &task, ContactRecords &contacts,
                                                  const PairFloe &floe) {
   LaneSums lost;
-  by_hand::loop_contacts<by_hand::Push>(task, static_cast<int>(contacts.ends.size()), &lost,
-                                        [&](int k) { start(contacts, k, floe); });
+  by_hand::loop_contacts<by_hand::Push>(
+      task, static_cast<int>(contacts.ends.size()), &lost, [&](int k) { start(contacts, k, floe); },
+      [&](int k) { forget(contacts, k); });
   return lost.total();
 }
 
 extern "C" [[gnu::noinline]] double rub_by_hand(const ContactTask &task, ContactRecords &contacts,
                                                 const PairFloe &floe) {
   LaneSums lost;
-  by_hand::loop_contacts<by_hand::Rub>(task, static_cast<int>(contacts.ends.size()), &lost,
-                                       [&](int k) { start(contacts, k, floe); });
+  by_hand::loop_contacts<by_hand::Rub>(
+      task, static_cast<int>(contacts.ends.size()), &lost, [&](int k) { start(contacts, k, floe); },
+      [&](int k) { forget(contacts, k); });
   return lost.total();
 }
 
@@ -100,16 +105,15 @@ extern "C" [[gnu::noinline]] double stretch_by_hand(const PairFloe &floe, const 
   return 0.0;
 }
 
-int main(int argc, char **argv) {
-  MPI_Init(&argc, &argv);
-  const std::string which = argc > 1 ? argv[1] : "push";
-  const int steps = argc > 2 ? std::atoi(argv[2]) : 1;
+// Whether the two agree.
+bool run(const std::string &which, int steps) {
   const char *quiet[] = {"count_loop", "-screen", "none", "-log", "none"};
   auto *lmp = new LAMMPS(5, const_cast<char **>(quiet), MPI_COMM_WORLD);
   register_models(lmp);
-  const std::string terms = which == "push"  ? "bonds no friction no contact_damping 0.3"
-                            : which == "rub" ? "bonds no friction yes contact_damping 0"
-                                             : "bonds yes bond_damping 0 reach 1.2";
+  const std::string terms = which == "push" ? "bonds no friction no contact_damping 0.3"
+                            : which == "rub"
+                                ? "bonds no friction yes contact_damping 0"
+                                : "bonds yes bond_damping 0 contact_damping 0.1 reach 1.2";
   const std::string style = "pair_style gran model floe " + terms;
   // The discs overlap a little; the lists reach to the second neighbours, which do not touch, but not
   // where all neighbours are bonded.
@@ -139,9 +143,17 @@ int main(int argc, char **argv) {
     body.v = -2e-6 * body.y;
   }
   std::vector<Load> loads(n);
-  const ContactTask task{parts.floe->contact,        nullptr, lmp->update->dt, true, n,
-                         bodies.data(),              loads.data(), nullptr,
-                         pairs.contacts.ends.data(), pairs.contacts.rows.data(), nullptr};
+  const ContactTask task{parts.floe->contact,
+                         nullptr,
+                         lmp->update->dt,
+                         true,
+                         n,
+                         bodies.data(),
+                         loads.data(),
+                         nullptr,
+                         pairs.contacts.ends.data(),
+                         pairs.contacts.rows.data(),
+                         nullptr};
   double lost = 0.0;
   std::vector<int> odd;
   for (int k = 0; k < steps; ++k) {
@@ -158,10 +170,18 @@ int main(int argc, char **argv) {
     apart = std::max({apart, std::fabs(own.fx - loads[i].fx), std::fabs(own.fy - loads[i].fy)});
     largest = std::max(largest, std::fabs(own.fx));
   }
-  std::printf("%d elements, %zu contacts, %d bonds, %.3g of %.3g N apart, %.3g lost\n", n,
-              pairs.contacts.ends.size(), pairs.bonds.count, apart, largest, lost);
+  std::printf("%s: %d elements, %zu contacts, %d bonds, %.3g of %.3g N apart, %.3g lost\n",
+              which.c_str(), n, pairs.contacts.ends.size(), pairs.bonds.count, apart, largest,
+              lost);
   const bool same = largest > 0.0 && apart <= 1e-9 * largest && odd.empty();
   delete lmp;
+  return same;
+}
+
+int main(int argc, char **argv) {
+  MPI_Init(&argc, &argv);
+  const int steps = argc > 1 ? std::atoi(argv[1]) : 1;
+  const bool same = run("push", steps) & run("rub", steps) & run("stretch", steps);
   MPI_Finalize();
   return same ? 0 : 1;
 }

@@ -30,28 +30,37 @@ LOOPS = {
 }
 
 
-def count(folder: Path, loop: str, steps: int) -> tuple[int, int]:
-    """Instructions of the pair style's loop and of the one by hand over a number of steps."""
+def count(folder: Path, steps: int) -> dict[str, tuple[int, int]]:
+    """Instructions of the pair style's loops and of those by hand over a number of steps."""
     program, counts = plugin_path().with_name("count_loop"), folder / f"counts.{steps}"
     command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={counts}", str(program)]
     done = subprocess.run(
-        [*command, loop, str(steps)],
-        env=mpi_environment(), capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [*command, str(steps)], env=mpi_environment(), capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     functions = inclusive_counts(counts)
-    (own,) = [n for name, n in functions.items() if re.search(LOOPS[loop], name)]
-    return own, functions[f"{loop}_by_hand"]
+    out = {}
+    for loop, pattern in LOOPS.items():
+        (own,) = [n for name, n in functions.items() if re.search(pattern, name)]
+        out[loop] = own, functions[f"{loop}_by_hand"]
+    return out
+
+
+@pytest.fixture(scope="module")
+def counts(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, tuple[int, int]]]:
+    if shutil.which("valgrind") is None:
+        pytest.skip("valgrind, which counts the instructions, is not installed")
+    folder = tmp_path_factory.mktemp("counts")
+    return [count(folder, steps) for steps in (2, 22)]
 
 
 @pytest.mark.parametrize("loop", LOOPS)
-def test_what_is_off_costs_nothing_in_the_loop(tmp_path: Path, loop: str) -> None:
+def test_what_is_off_costs_nothing_in_the_loop(
+    counts: list[dict[str, tuple[int, int]]], loop: str
+) -> None:
     """Contacts with damping alone, with friction alone, and bonds without damping."""
-    if shutil.which("valgrind") is None:
-        pytest.skip("valgrind, which counts the instructions, is not installed")
     # The difference leaves out what the first contact of a pair costs.
-    few, many = count(tmp_path, loop, 2), count(tmp_path, loop, 22)
-    own, by_hand = many[0] - few[0], many[1] - few[1]
-    print(f"{loop}: {own} instructions, by hand {by_hand}")
+    (own, by_hand), (few, few_by_hand) = counts[1][loop], counts[0][loop]
+    own, by_hand = own - few, by_hand - few_by_hand
     assert by_hand > 0
     assert own == pytest.approx(by_hand, rel=0.01)
