@@ -27,6 +27,7 @@ rule all:
     default_target: True
     input:
         f"{RUN.folder}/report.html",
+        extra_targets(),
 
 
 onsuccess:

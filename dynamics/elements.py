@@ -43,21 +43,14 @@ def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
     if "snow_volume" in state:
         load = load + SNOW_DENSITY * state["snow_volume"].values.sum(axis=1)
     arrays["mass"] = area * load
-    arrays["thickness"] = np.maximum(bearing_thickness(state), minimum_thickness)
+    arrays["thickness"] = np.maximum(joint_thickness(state), minimum_thickness)
     arrays["ice_area"] = area * fraction
-    _fill_coast(arrays, minimum_thickness)
-    return arrays
-
-
-def _fill_coast(arrays: Arrays, minimum_thickness: float) -> None:
-    # Coast stands for no ocean, but a contact needs a thickness and a mass on both sides: it is
-    # as thick as the thickest ice, so that the ice's own thickness sets the contact.
+    # Coast stands for no ocean, but a contact needs a mass on both sides.
     coast = arrays["type"] == COAST
-    thickest = arrays["thickness"][~coast].max(initial=minimum_thickness)
-    arrays["thickness"][coast] = thickest
     disc = np.pi * arrays["radius"][coast] ** 2
-    arrays["mass"][coast] = ICE_DENSITY * thickest * disc
+    arrays["mass"][coast] = ICE_DENSITY * arrays["thickness"][coast] * disc
     arrays["ice_area"][coast] = 0.0
+    return arrays
 
 
 def bearing_thickness(state: xr.Dataset) -> np.ndarray:
@@ -67,6 +60,18 @@ def bearing_thickness(state: xr.Dataset) -> np.ndarray:
     stiffness then shrink together, so thin or open ice asks for no shorter step.
     """
     return np.asarray(state["ice_volume"].values.sum(axis=1))
+
+
+def joint_thickness(state: xr.Dataset) -> np.ndarray:
+    """Thickness with which an element takes part in bonds and contacts, m, shape (n,).
+
+    That which bears load; the coast is as thick as the thickest ice, so that the ice's own
+    thickness sets what joins them.
+    """
+    thickness = bearing_thickness(state)
+    coast = state["type"].values == COAST
+    thickness[coast] = thickness[~coast].max(initial=0.0)
+    return thickness
 
 
 def pair_arrays(state: xr.Dataset, kind: str) -> Arrays:
@@ -102,13 +107,14 @@ def moved_state(
 def thin_bonds(state: xr.Dataset) -> xr.Dataset:
     """Let bonds be no thicker than the ice beside them: melt weakens, growth does not heal.
 
-    The series thickness of a pair is that of the thinner element.
+    The series thickness of a pair is that of the thinner element. Where its ice has melted out
+    nothing is left of a bond.
     """
     if "bond_thickness" not in state:
         return state
-    thickness = bearing_thickness(state)
+    thickness = joint_thickness(state)
     ids = state["id"].values
     lo = thickness[np.searchsorted(ids, state["bond_id_lo"].values)]
     hi = thickness[np.searchsorted(ids, state["bond_id_hi"].values)]
     now = np.minimum(state["bond_thickness"].values, np.minimum(lo, hi))
-    return state.assign(bond_thickness=("bond", now))
+    return state.assign(bond_thickness=("bond", now)).isel(bond=np.flatnonzero(now > 0))

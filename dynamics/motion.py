@@ -47,7 +47,8 @@ class Motion:
 def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
     """Parameters of the engine for a scene: SI units, angles in radians."""
     d = scene.dynamics
-    switches = dict.fromkeys(plugin_switches(scene.effects), True)
+    switches: dict[str, bool] = dict.fromkeys(plugin_switches(scene.effects), True)
+    turned = switches.pop("turning_angle", False)
     return EngineParams(
         time_step=time_step,
         **{"friction": False, **switches},
@@ -66,7 +67,7 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
         ridge_thickness=d.ridge_thickness,
         wind_stress_factor=AIR_DENSITY * d.air_drag,
         ocean_stress_factor=SEAWATER_DENSITY * d.ocean_drag,
-        turning_angle=math.radians(d.turning_angle),
+        turning_angle=math.radians(d.turning_angle) if turned else 0.0,
         relative_wind=d.relative_wind,
     )
 
@@ -182,7 +183,8 @@ def _budget(scene: Scene, first: dict[str, float], last: dict[str, float]) -> di
     for axis in "xy":
         budget[f"momentum_{axis}_start"] = first[f"momentum_{axis}"]
         budget[f"momentum_{axis}_end"] = last[f"momentum_{axis}"]
-        budget[f"impulse_coast_{axis}"] = -last[f"impulse_fixed_{axis}"]
+        if "coast" in scene.effects:
+            budget[f"impulse_coast_{axis}"] = -last[f"impulse_fixed_{axis}"]
         for name in kept:
             budget[f"impulse_{name}_{axis}"] = last[f"impulse_{name}_{axis}"]
     for name in kept:

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.dynamics.bondtable import EDGE_SHARE, Arrays, element_rows, new_bonds
-from floeflow.dynamics.elements import bearing_thickness, pair_arrays
+from floeflow.dynamics.elements import joint_thickness, pair_arrays
 from floeflow.dynamics.engineparams import EngineParams
 from floeflow.state.schema import MOBILE, VARIABLES
 
@@ -40,6 +40,8 @@ class Cold:
     growth : float
         Stefan's 2 k / (rho L), by which the squared thickness grows per degree and second,
         m2/(K s).
+    to_coast : bool
+        Whether ice freezes to coast elements too.
     """
 
     touch_time: float
@@ -47,6 +49,7 @@ class Cold:
     thickness: float
     freezing_point: float
     growth: float
+    to_coast: bool = False
 
 
 Air = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -83,7 +86,7 @@ def refreeze(
         State with bonds and contacts as they are now, and the number of new bonds.
     """
     elements = {name: state[name].values for name in ("id", "type", "x", "y", "theta", "radius")}
-    elements["thickness"] = bearing_thickness(state)
+    elements["thickness"] = joint_thickness(state)
     bonds = thicken(pair_arrays(state, "bond"), elements, air, cold, window)
     contacts = pair_arrays(state, "contact")
     contacts["touch_time"] = touch_times(contacts, touched, elements, air, cold, window)
@@ -158,8 +161,9 @@ def freeze(
     stiffness = params.young_modulus * thickness * length / span
     push = elastic * np.minimum(spring, np.sqrt(spring * stiffness))
     bearable = MOST_LOAD * params.bond_strength(thickness) * thickness * length
-    mobile = (elements["type"][lo] == MOBILE) & (elements["type"][hi] == MOBILE)
-    healed = (contacts["touch_time"] >= cold.touch_time) & mobile
+    mobile = [elements["type"][row] == MOBILE for row in (lo, hi)]
+    joined = (mobile[0] | mobile[1]) if cold.to_coast else (mobile[0] & mobile[1])
+    healed = (contacts["touch_time"] >= cold.touch_time) & joined
     healed &= (contacts["touch_time"] > 0) & (thickness > 0) & (push <= bearable)
 
     def at(values: np.ndarray) -> np.ndarray:

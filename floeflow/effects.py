@@ -4,10 +4,14 @@
 A scene names its effects. What it does not name is absent: no rule in the workflow, no switch in
 the plugin, no variable in the state file, no figure in the report. Every stage asks this registry
 instead of keeping a list of its own.
+
+A new effect is one entry here, and one in ``floeflow/estimate/numbers.py``: the dimensionless
+number that says when it matters. ``docs/effects.md`` is generated from both.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -40,7 +44,11 @@ class Effect:
     output : tuple of str
         Variables it adds to the gridded output.
     diagnostics : tuple of str
-        Series and figures it adds to the report.
+        Series it adds to the diagnostics.
+    rules : tuple of str
+        Rules it adds to the workflow.
+    figures : tuple of str
+        How the names of the figures begin that it adds to the report.
     """
 
     name: str
@@ -53,6 +61,8 @@ class Effect:
     state: tuple[str, ...] = ()
     output: tuple[str, ...] = ()
     diagnostics: tuple[str, ...] = ()
+    rules: tuple[str, ...] = ()
+    figures: tuple[str, ...] = ()
 
 
 _BOND_STATE = (
@@ -93,6 +103,13 @@ _REGISTERED = (
         diagnostics=("impulse_ocean",),
     ),
     Effect(
+        name="turning_angle",
+        physics="Ocean drag turned by the angle of the boundary layer below the ice.",
+        source="McPhee 1975; Hibler 1979",
+        needs=("ocean_drag",),
+        plugin=("turning_angle",),
+    ),
+    Effect(
         name="coriolis",
         physics="Coriolis acceleration -f k x u, a rotation that keeps the speed.",
         source="Cayley form of the rotation",
@@ -121,6 +138,14 @@ _REGISTERED = (
         plugin=("bonds",),
         state=_BOND_STATE,
         diagnostics=("intact_bonds",),
+        rules=("bonds",),
+        figures=("elements_bonds", "series_bonds"),
+    ),
+    Effect(
+        name="coast",
+        physics="Fixed elements along the land, which push back and rub.",
+        source="Turner et al. 2022",
+        diagnostics=("impulse_coast",),
     ),
     Effect(
         name="ridging",
@@ -158,6 +183,20 @@ _REGISTERED = (
         state=("snow_volume", "surface_temperature"),
         output=("sisnthick",),
         diagnostics=("ice_growth",),
+        figures=("series_snow", "budget_column_energy", "budget_snow_volume"),
+    ),
+    Effect(
+        name="grid_output",
+        physics="Fields of the ice on the scene's grid at each window boundary, as CF NetCDF.",
+        source="moving least squares: Lancaster & Salkauskas 1981",
+        rules=("grid",),
+        figures=("grid_",),
+    ),
+    Effect(
+        name="trajectory_output",
+        physics="Paths of the elements at the window boundaries, for OVITO and MDAnalysis.",
+        source="LAMMPS dump format",
+        rules=("trajectory_files",),
     ),
 )
 
@@ -215,3 +254,9 @@ def output_variables(names: Iterable[str]) -> tuple[str, ...]:
 def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
     """Series that these effects add to the diagnostics."""
     return _collect("diagnostics", names)
+
+
+if __name__ == "__main__":
+    from floeflow.estimate.command import main
+
+    sys.exit(main())

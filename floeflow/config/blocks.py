@@ -10,9 +10,26 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    StringConstraints,
+    WithJsonSchema,
+)
+
+from floeflow.effects import EFFECTS
 
 PlainName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}$")]
+
+
+EffectNames = Annotated[
+    tuple[str, ...],
+    WithJsonSchema(
+        {"anyOf": [{"const": "auto"}, {"type": "array", "items": {"enum": list(EFFECTS)}}]}
+    ),
+]
 
 
 def key(default: Any, text: str, unit: str = "", **bounds: Any) -> Any:
@@ -89,7 +106,6 @@ class Packing(Block):
 
     elements: int = key(5000, "Number of elements to aim at.", ge=1, le=2_000_000)
     relaxations: int = key(20, "Lloyd relaxations of the first points.", ge=0, le=1000)
-    coast: bool = key(True, "Fixed elements along the coast keep the ice off the land.")
     bond_gap: float = key(
         0.2,
         "Neighbours bond where the gap of their discs is under this share of their radii's sum.",
@@ -99,6 +115,9 @@ class Packing(Block):
     )
     bond_concentration: float = key(
         0.8, "Elements with less ice than this are floes apart: no bonds.", "1", ge=0, le=1
+    )
+    coast_bonds: bool = key(
+        False, "Fast ice: elements beside the coast are frozen to it, and refreeze to it."
     )
 
 
@@ -198,8 +217,8 @@ class Dynamics(Block):
     air_drag: float = key(1.2e-3, "Drag coefficient of the air.", "1", ge=0, le=0.1)
     ocean_drag: float = key(5.5e-3, "Drag coefficient of the ocean.", "1", ge=0, le=0.1)
     turning_angle: float = key(
-        0.0,
-        "Turning angle of the ocean drag (left of the current's in the north).",
+        25.0,
+        "Turning angle of the ocean drag, to the left of the current (read with turning_angle).",
         "degree",
         ge=-90,
         le=90,
@@ -247,9 +266,19 @@ class Scene(Block):
     """A scene: where, when, which ice, which forcing, which effects, how accurate."""
 
     name: PlainName = key(..., "Plain name of the scene, also its folder under results/.")
-    effects: tuple[str, ...] = key(
-        ("wind", "ocean_drag", "coriolis", "tilt", "friction", "bonds", "thermodynamics"),
-        "Effects to simulate; what is not named is absent.",
+    effects: EffectNames = key(
+        (
+            "wind",
+            "ocean_drag",
+            "coriolis",
+            "tilt",
+            "friction",
+            "bonds",
+            "coast",
+            "thermodynamics",
+            "grid_output",
+        ),
+        "Effects to simulate; what is not named is absent. Or `auto`: see docs/effects.md.",
     )
     seed: int = key(1981, "Seed of everything random.", ge=0, lt=2**32)
     domain: Domain = key(Domain(), "Where.")
@@ -261,3 +290,9 @@ class Scene(Block):
     column: Column = key(Column(), "Which thermodynamics.")
     report: Report = key(Report(), "Which report.")
     workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")
+    _auto: bool = PrivateAttr(default=False)
+
+    @property
+    def auto(self) -> bool:
+        """Whether the effects were chosen by ``effects: auto``."""
+        return self._auto

@@ -28,8 +28,13 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("forcing.source is 'file' but forcing.file names none")
     if scene.forcing.source == "analytic" and scene.forcing.file:
         raise FloeError("forcing.file is given but forcing.source is 'analytic'")
+    angle = type(scene.dynamics).model_fields["turning_angle"].default
+    if scene.dynamics.turning_angle != angle and "turning_angle" not in scene.effects:
+        raise FloeError("dynamics.turning_angle is given but effects does not name turning_angle")
     if scene.mask.land == "mask" and not scene.mask.file:
         raise FloeError("mask.land is 'mask' but mask.file names none")
+    if scene.packing.coast_bonds and not {"bonds", "coast"} <= set(scene.effects):
+        raise FloeError("packing.coast_bonds needs the effects 'bonds' and 'coast'")
 
 
 def _check_domain(scene: Scene) -> None:

@@ -84,10 +84,19 @@ def parse_scene(raw: bytes, default_name: str) -> Scene:
     if not isinstance(data, dict):
         raise FloeError("a scene is a mapping of keys to values")
     data.setdefault("name", default_name)
+    auto = data.get("effects") == "auto"
+    if auto:
+        del data["effects"]
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
         raise FloeError(_validation_sentence(error)) from None
+    if auto:
+        # Reads mask and forcing: only where it is asked for.
+        from floeflow.estimate.choose import choose
+
+        scene = scene.model_copy(update={"effects": choose(scene)})
+        scene._auto = True
     scene = scene.model_copy(update={"effects": check_effects(scene.effects)})
     check_combinations(scene)
     return scene

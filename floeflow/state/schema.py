@@ -9,6 +9,7 @@ has one form on any number of ranks.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -23,7 +24,26 @@ MOBILE, COAST = 1, 2
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable of the state."""
+    """One variable of the state.
+
+    Parameters
+    ----------
+    dims, dtype, units, long_name
+        As in the file.
+    low, high : float
+        Bounds of the values.
+    kind : str
+        For transfers: an ``extensive`` variable is an amount and is added up, an ``intensive`` one
+        is a property of an amount and is averaged over it. Empty for what is neither: labels,
+        places, pairs.
+    of : str
+        Of an intensive variable: what it is a property of. Another variable, or ``mass``.
+        Transfers keep the ratio of its amount to that one's within the bounds of their sources:
+        thickness (ice_volume of ice_fraction) among them.
+    per : str
+        By which amount a value has to be multiplied to give this variable's amount; ``of``, if
+        empty. Volumes are of the ice, but are kept per effective area.
+    """
 
     dims: tuple[str, ...]
     dtype: str
@@ -31,14 +51,33 @@ class Variable:
     long_name: str
     low: float = -np.inf
     high: float = np.inf
+    kind: Literal["", "extensive", "intensive"] = ""
+    of: str = ""
+    per: str = ""
 
 
-def _element(units: str, text: str, low: float = -np.inf, high: float = np.inf) -> Variable:
-    return Variable(("element",), "float64", units, text, low, high)
+# Sum of an element's ice and snow; no variable of its own, but velocities are properties of it.
+MASS = "mass"
 
 
-def _column(units: str, text: str, low: float = 0.0, high: float = np.inf) -> Variable:
-    return Variable(("element", "category"), "float64", units, text, low, high)
+def _element(
+    units: str,
+    text: str,
+    low: float = -np.inf,
+    high: float = np.inf,
+    of: str = "",
+    extensive: bool = False,
+) -> Variable:
+    kind: Literal["", "extensive", "intensive"] = "intensive" if of else ""
+    kind = "extensive" if extensive else kind
+    return Variable(("element",), "float64", units, text, low, high, kind, of)
+
+
+def _column(
+    units: str, text: str, of: str, low: float = 0.0, high: float = np.inf, per: str = ""
+) -> Variable:
+    dims = ("element", "category")
+    return Variable(dims, "float64", units, text, low, high, "intensive", of, per)
 
 
 def _bond(units: str, text: str, low: float = -np.inf, high: float = np.inf) -> Variable:
@@ -55,15 +94,25 @@ VARIABLES: dict[str, Variable] = {
     "x": _element("m", "position in the scene's projection"),
     "y": _element("m", "position in the scene's projection"),
     "theta": _element("rad", "orientation, anticlockwise since the start"),
-    "u": _element("m s-1", "velocity along x"),
-    "v": _element("m s-1", "velocity along y"),
-    "omega": _element("rad s-1", "spin, anticlockwise"),
+    "u": _element("m s-1", "velocity along x", of=MASS),
+    "v": _element("m s-1", "velocity along y", of=MASS),
+    "omega": _element("rad s-1", "spin, anticlockwise", of=MASS),
     "radius": _element("m", "radius of the disc", 0),
-    "area": _element("m2", "effective area: the ocean area that the element stands for", 0),
-    "ice_fraction": _column("1", "share of the effective area under ice, per category", 0, 1),
-    "ice_volume": _column("m", "ice volume per effective area, per category"),
-    "snow_volume": _column("m", "snow volume per effective area, per category"),
-    "surface_temperature": _column("K", "temperature of the ice's or snow's surface", 100, 350),
+    "area": _element(
+        "m2", "effective area: the ocean area that the element stands for", 0, extensive=True
+    ),
+    "ice_fraction": _column(
+        "1", "share of the effective area under ice, per category", of="area", low=0, high=1
+    ),
+    "ice_volume": _column(
+        "m", "ice volume per effective area, per category", of="ice_fraction", per="area"
+    ),
+    "snow_volume": _column(
+        "m", "snow volume per effective area, per category", of="ice_fraction", per="area"
+    ),
+    "surface_temperature": _column(
+        "K", "temperature of the ice's or snow's surface", of="ice_fraction", low=100, high=350
+    ),
     "bond_id_lo": Variable(("bond",), "int64", "1", "lower id of the bonded pair", 1),
     "bond_id_hi": Variable(("bond",), "int64", "1", "higher id of the bonded pair", 1),
     "bond_length": _bond("m", "length of the glue line", 0),

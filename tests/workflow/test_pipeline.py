@@ -112,7 +112,7 @@ def test_a_changed_law_redoes_the_windows_and_what_follows(smoke: Done):
     scene = smoke.place.scene(dynamics={"friction_coefficient": 0.1})
     jobs = planned(smoke.place, scene)
     smoke.place.scene()
-    assert jobs == {"window": 3, "grid": 3, "diagnostics": 1, "report": 1}
+    assert jobs == {"estimate": 1, "window": 3, "grid": 3, "diagnostics": 1, "report": 1}
 
 
 def test_a_longer_run_redoes_no_window(copy: Callable[[], Place]):

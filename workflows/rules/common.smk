@@ -6,6 +6,7 @@ from floeflow.frontdoor import PLUGIN, open_scene
 
 RUN = open_scene(config, workflow)
 EFFECTS = RUN.scene.effects
+GRIDDED = "grid_output" in EFFECTS
 
 
 def keys_of(*stages):
@@ -54,6 +55,19 @@ def bonds_input(wildcards):
     )
 
 
+def grid_inputs(wildcards):
+    """Gridded output at all ends of groups, where the scene has it."""
+    ends = ["0000", *RUN.ends] if GRIDDED else []
+    return [f"results/{wildcards.scene}/grid/{end}.nc" for end in ends]
+
+
+def extra_targets():
+    """Files besides the report that the scene's effects bring."""
+    names = ["elements.lammpsdump", "drift.nc"]
+    wanted = "trajectory_output" in EFFECTS
+    return [f"{RUN.folder}/trajectory/{name}" for name in names if wanted]
+
+
 def stage_benchmarks(wildcards):
     """What Snakemake measured of the stages before and after the windows."""
     stages = ["mask", "packing", "initial", "diagnostics"]
@@ -62,7 +76,7 @@ def stage_benchmarks(wildcards):
     if bonds_input(wildcards):
         stages.insert(-2, "bonds")
     windows = [f"window/{window}" for window in RUN.ends]
-    grids = [f"grid/{window}" for window in ["0000", *RUN.ends]]
+    grids = [f"grid/{window}" for window in ["0000", *RUN.ends] if GRIDDED]
     forcing = [f"forcing/{window}" for window in RUN.windows]
     names = [*stages, *forcing, *windows, *grids]
     return [f"results/{wildcards.scene}/benchmarks/{name}.tsv" for name in names]
