@@ -75,13 +75,17 @@ def joint_thickness(state: xr.Dataset) -> np.ndarray:
 
 
 def pair_arrays(state: xr.Dataset, kind: str) -> Arrays:
-    """Bond or contact table of a state, names without the prefix of `kind`."""
+    """Table of a state (bond, contact, wall_face, wall_contact), names without that prefix."""
     names = [name for name in VARIABLES if name.startswith(f"{kind}_") and name in state]
     return {name.removeprefix(f"{kind}_"): state[name].values.copy() for name in names}
 
 
 def moved_state(
-    state: xr.Dataset, elements: Arrays, bonds: Arrays | None, contacts: Arrays
+    state: xr.Dataset,
+    elements: Arrays,
+    bonds: Arrays | None,
+    contacts: Arrays,
+    wall_contacts: Arrays | None = None,
 ) -> xr.Dataset:
     """State with the motion, bonds and contacts that the model left.
 
@@ -89,11 +93,12 @@ def moved_state(
     ----------
     state : xarray.Dataset
         State before the motion.
-    elements, bonds, contacts : dict of ndarray
-        What the model holds now; sorted by id and by (id_lo, id_hi).
+    elements, bonds, contacts, wall_contacts : dict of ndarray
+        What the model holds now; sorted by id, by (id_lo, id_hi) and by (id, face).
     """
-    kinds = {"bond": bonds, "contact": contacts}
-    keep = [name for name in state.variables if not str(name).startswith(("bond_", "contact_"))]
+    kinds = {"bond": bonds, "contact": contacts, "wall_contact": wall_contacts}
+    pairs = tuple(f"{kind}_" for kind in kinds)
+    keep = [name for name in state.variables if not str(name).startswith(pairs)]
     moved = state[keep].copy()
     for name in MOVED:
         moved[name] = ("element", elements[name])

@@ -41,6 +41,8 @@ class Effect:
         Forcing variables it reads.
     state : tuple of str
         Variables it adds to the state.
+    with_state : tuple of (str, tuple of str)
+        Variables it adds to the state where another effect is named too.
     output : tuple of str
         Variables it adds to the gridded output.
     diagnostics : tuple of str
@@ -59,6 +61,7 @@ class Effect:
     column: tuple[str, ...] = ()
     forcing: tuple[str, ...] = ()
     state: tuple[str, ...] = ()
+    with_state: tuple[tuple[str, tuple[str, ...]], ...] = ()
     output: tuple[str, ...] = ()
     diagnostics: tuple[str, ...] = ()
     rules: tuple[str, ...] = ()
@@ -84,6 +87,12 @@ _BOND_STATE = (
 )
 
 _RIDGE_STATE = ("contact_ridge_closing", "contact_ridge_thickness", "contact_ridge_length")
+
+_WALL_STATE = (
+    *(f"wall_face_{name}" for name in ("wall", "plane", "before", "after")),
+    *(f"wall_face_{name}" for name in ("ax", "ay", "bx", "by", "u", "v")),
+    *("wall_contact_id", "wall_contact_face", "wall_contact_slip", "wall_contact_rest_overlap"),
+)
 
 _REGISTERED = (
     Effect(
@@ -165,6 +174,15 @@ _REGISTERED = (
         diagnostics=("bonds_refrozen",),
     ),
     Effect(
+        name="walls",
+        physics="Rigid walls, also moving ones: sides of the scene, planes, triangle meshes.",
+        source="The contact laws against a rigid partner",
+        state=_WALL_STATE,
+        with_state=(("ridging", tuple(f"wall_{name}" for name in _RIDGE_STATE)),),
+        diagnostics=("impulse_wall",),
+        figures=("series_walls",),
+    ),
+    Effect(
         name="thermodynamics",
         physics="Growth and melt of ice and snow in each element's column between windows.",
         source="Semtner 1976 (zero-layer)",
@@ -243,7 +261,15 @@ def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
 
 def state_variables(names: Iterable[str]) -> tuple[str, ...]:
     """Variables that these effects add to the state."""
-    return _collect("state", names)
+    names = tuple(names)
+    both = (
+        variable
+        for name in names
+        for other, variables in EFFECTS[name].with_state
+        if other in names
+        for variable in variables
+    )
+    return tuple(dict.fromkeys((*_collect("state", names), *both)))
 
 
 def output_variables(names: Iterable[str]) -> tuple[str, ...]:

@@ -237,6 +237,39 @@ class Dynamics(Block):
     samples: int = key(24, "Samples of the time series in a window.", ge=1, le=10_000)
 
 
+Velocity = tuple[float, float]
+
+
+class Walls(Block):
+    """Walls that hold the ice in (read with the effect walls). They move from time 0 on."""
+
+    rim: tuple[Literal["left", "right", "bottom", "top"], ...] = key(
+        ("left", "right", "bottom", "top"), "Sides of the scene's rectangle that are walls."
+    )
+    left_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    right_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    bottom_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    top_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    planes: tuple[tuple[float, float, float, float, float, float], ...] = key(
+        (),
+        "Further endless walls, each as [x, y, normal_x, normal_y, u, v]: a point, the side of the "
+        "ice, a velocity.",
+        "m, 1, m/s",
+    )
+    mesh: str = key(
+        "",
+        "Triangle mesh (STL) that stands in the ice as a wall, path from the project's folder; its "
+        "z = 0 is the plane of the ice.",
+    )
+    mesh_velocity: Velocity = key((0.0, 0.0), "Velocity of the mesh in x and y.", "m/s")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each wall, in their order."""
+        planes = (f"plane_{number}" for number in range(1, len(self.planes) + 1))
+        return (*self.rim, *planes, *(("mesh",) if self.mesh else ()))
+
+
 class Column(Block):
     """Thermodynamics of the elements' columns."""
 
@@ -294,6 +327,7 @@ class Scene(Block):
     forcing: Forcing = key(Forcing(), "Which forcing.")
     time: Time = key(Time(), "When.")
     dynamics: Dynamics = key(Dynamics(), "Which mechanics.")
+    walls: Walls = key(Walls(), "Which walls.")
     column: Column = key(Column(), "Which thermodynamics.")
     report: Report = key(Report(), "Which report.")
     workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")

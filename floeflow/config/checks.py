@@ -24,6 +24,10 @@ def check_combinations(scene: Scene) -> None:
     """
     _check_domain(scene)
     _check_times(scene)
+    if "walls" in scene.effects and not scene.walls.names:
+        raise FloeError("effects: 'walls' is named but walls.rim, planes and mesh name none")
+    if len(set(scene.walls.rim)) < len(scene.walls.rim):
+        raise FloeError("walls.rim names a side twice")
     if scene.forcing.source == "file" and not scene.forcing.file:
         raise FloeError("forcing.source is 'file' but forcing.file names none")
     if scene.forcing.source == "analytic" and scene.forcing.file:

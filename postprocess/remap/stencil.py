@@ -79,11 +79,11 @@ def check_places(x: Array, y: Array, target: Target) -> None:
         e = int(np.argmax(bad))
         raise FloeError(f"remap: element {e} lies at x = {x[e]}, y = {y[e]}")
     node_x, node_y = target.places()
-    small = np.abs(node_x).max() <= 360.0 and np.abs(node_y).max() <= 90.0
-    if small and len(x) and min(np.abs(x).max(), np.abs(y).max()) > 1e4:
+    wide, high = (np.abs(axis[np.isfinite(axis)]).max(initial=0.0) for axis in (node_x, node_y))
+    if wide <= 360.0 and high <= 90.0 and len(x) and min(np.abs(x).max(), np.abs(y).max()) > 1e4:
         raise FloeError(
             "remap: 'x' and 'y' of the grid look like degrees (up to "
-            f"{np.abs(node_x).max():g} and {np.abs(node_y).max():g}), but the elements lie at "
+            f"{wide:g} and {high:g}), but the elements lie at "
             f"metres (element 0 at x = {x[0]:g}, y = {y[0]:g}): project the grid first"
         )
 

@@ -143,6 +143,7 @@ rule initial:
     input:
         packing="results/{scene}/preprocess/packing.nc",
         bonds=bonds_input,
+        mesh=wall_mesh,
     output:
         state="results/{scene}/state/0000.nc",
     log:
