@@ -161,6 +161,15 @@ void FixFloeIntegrate::pre_exchange() {
   if (pairs) pairs->lists_change();
 }
 
+// Between runs commands may read and change LIGGGHTS' history, or take elements away.
+void FixFloeIntegrate::post_run() {
+  if (pairs) pairs->write_history();
+}
+
+void FixFloeIntegrate::setup_pre_exchange() {
+  if (pairs) pairs->bonds_changed();
+}
+
 void FixFloeIntegrate::write_forces() {
   const int count = std::min(atom->nlocal, static_cast<int>(loads.size()));
   for (int i = 0; i < count; ++i) {

@@ -32,8 +32,9 @@ class FixFloeIntegrate : public Fix {
   int setmask() override;
   void init() override;
   void initial_integrate(int) override;
-  void setup_pre_exchange() override { pre_exchange(); }
+  void setup_pre_exchange() override;
   void pre_exchange() override;
+  void post_run() override;
 
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override;
