@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Speed of the column schemes: column-steps per second and core, over threads and columns.
 
-Usage: python benchmarks/column.py [--repeats 7] [--largest 100000] [--out FILE]
+Usage: python benchmarks/column.py [--repeats 7] [--largest 1000000] [--out FILE]
 Columns of five categories start from many thicknesses, live 20 days in a winter or a summer, and
 are timed from there in hourly steps, compiled beforehand. No peer runs beside it: the speed of
 Icepack (Fortran, -O3) is quoted from a machine of the same kind.
@@ -168,7 +168,7 @@ def main() -> None:
     """Time all cases and write them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=7)
-    parser.add_argument("--largest", type=int, default=100000, help="columns, a power of ten")
+    parser.add_argument("--largest", type=int, default=1000000, help="columns, a power of ten")
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks/column.json"))
     options = parser.parse_args()
     most = numba.config.NUMBA_NUM_THREADS
