@@ -21,12 +21,16 @@ include: "workflows/rules/preprocess.smk"
 include: "workflows/rules/dynamics.smk"
 include: "workflows/rules/postprocess.smk"
 include: "workflows/rules/export.smk"
+include: "workflows/rules/studies.smk"
+include: "workflows/rules/ablation.smk"
+include: "workflows/rules/accuracy.smk"
 
 
 rule all:
     default_target: True
     input:
         f"{RUN.folder}/report.html",
+        extra_targets(),
 
 
 onsuccess:

@@ -127,7 +127,7 @@ def freeze_window(
     growth = 2.0 * ice.ice_conductivity / (ice.ice_density * ice.latent_fusion)
     cold = Cold(
         *(d.refreeze_time, d.refreeze_temperature, d.refreeze_thickness),
-        *(ice.freezing_temperature, growth),
+        *(ice.freezing_temperature, growth, scene.packing.coast_bonds),
     )
 
     def air(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -43,21 +43,14 @@ def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
     if "snow_volume" in state:
         load = load + SNOW_DENSITY * state["snow_volume"].values.sum(axis=1)
     arrays["mass"] = area * load
-    arrays["thickness"] = np.maximum(bearing_thickness(state), minimum_thickness)
+    arrays["thickness"] = np.maximum(joint_thickness(state), minimum_thickness)
     arrays["ice_area"] = area * fraction
-    _fill_coast(arrays, minimum_thickness)
-    return arrays
-
-
-def _fill_coast(arrays: Arrays, minimum_thickness: float) -> None:
-    # Coast stands for no ocean, but a contact needs a thickness and a mass on both sides: it is
-    # as thick as the thickest ice, so that the ice's own thickness sets the contact.
+    # Coast stands for no ocean, but a contact needs a mass on both sides.
     coast = arrays["type"] == COAST
-    thickest = arrays["thickness"][~coast].max(initial=minimum_thickness)
-    arrays["thickness"][coast] = thickest
     disc = np.pi * arrays["radius"][coast] ** 2
-    arrays["mass"][coast] = ICE_DENSITY * thickest * disc
+    arrays["mass"][coast] = ICE_DENSITY * arrays["thickness"][coast] * disc
     arrays["ice_area"][coast] = 0.0
+    return arrays
 
 
 def bearing_thickness(state: xr.Dataset) -> np.ndarray:
@@ -69,14 +62,30 @@ def bearing_thickness(state: xr.Dataset) -> np.ndarray:
     return np.asarray(state["ice_volume"].values.sum(axis=1))
 
 
+def joint_thickness(state: xr.Dataset) -> np.ndarray:
+    """Thickness with which an element takes part in bonds and contacts, m, shape (n,).
+
+    That which bears load; the coast is as thick as the thickest ice, so that the ice's own
+    thickness sets what joins them.
+    """
+    thickness = bearing_thickness(state)
+    coast = state["type"].values == COAST
+    thickness[coast] = thickness[~coast].max(initial=0.0)
+    return thickness
+
+
 def pair_arrays(state: xr.Dataset, kind: str) -> Arrays:
-    """Bond or contact table of a state, names without the prefix of `kind`."""
+    """Table of a state (bond, contact, wall_face, wall_contact), names without that prefix."""
     names = [name for name in VARIABLES if name.startswith(f"{kind}_") and name in state]
     return {name.removeprefix(f"{kind}_"): state[name].values.copy() for name in names}
 
 
 def moved_state(
-    state: xr.Dataset, elements: Arrays, bonds: Arrays | None, contacts: Arrays
+    state: xr.Dataset,
+    elements: Arrays,
+    bonds: Arrays | None,
+    contacts: Arrays,
+    wall_contacts: Arrays | None = None,
 ) -> xr.Dataset:
     """State with the motion, bonds and contacts that the model left.
 
@@ -84,11 +93,12 @@ def moved_state(
     ----------
     state : xarray.Dataset
         State before the motion.
-    elements, bonds, contacts : dict of ndarray
-        What the model holds now; sorted by id and by (id_lo, id_hi).
+    elements, bonds, contacts, wall_contacts : dict of ndarray
+        What the model holds now; sorted by id, by (id_lo, id_hi) and by (id, face).
     """
-    kinds = {"bond": bonds, "contact": contacts}
-    keep = [name for name in state.variables if not str(name).startswith(("bond_", "contact_"))]
+    kinds = {"bond": bonds, "contact": contacts, "wall_contact": wall_contacts}
+    pairs = tuple(f"{kind}_" for kind in kinds)
+    keep = [name for name in state.variables if not str(name).startswith(pairs)]
     moved = state[keep].copy()
     for name in MOVED:
         moved[name] = ("element", elements[name])
@@ -102,13 +112,14 @@ def moved_state(
 def thin_bonds(state: xr.Dataset) -> xr.Dataset:
     """Let bonds be no thicker than the ice beside them: melt weakens, growth does not heal.
 
-    The series thickness of a pair is that of the thinner element.
+    The series thickness of a pair is that of the thinner element. Where its ice has melted out
+    nothing is left of a bond.
     """
     if "bond_thickness" not in state:
         return state
-    thickness = bearing_thickness(state)
+    thickness = joint_thickness(state)
     ids = state["id"].values
     lo = thickness[np.searchsorted(ids, state["bond_id_lo"].values)]
     hi = thickness[np.searchsorted(ids, state["bond_id_hi"].values)]
     now = np.minimum(state["bond_thickness"].values, np.minimum(lo, hi))
-    return state.assign(bond_thickness=("bond", now))
+    return state.assign(bond_thickness=("bond", now)).isel(bond=np.flatnonzero(now > 0))

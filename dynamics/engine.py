@@ -15,12 +15,14 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from floeflow.dynamics.bondtable import (
-    BOND_COLUMNS,
-    Arrays,
-    empty_pairs,
+from floeflow.dynamics.bondtable import BOND_COLUMNS, Arrays, empty_pairs
+from floeflow.dynamics.enginechecks import (
+    check_bonds,
+    check_contacts,
+    check_elements,
+    check_time,
 )
-from floeflow.dynamics.enginechecks import check_bonds, check_contacts, check_elements
+from floeflow.dynamics.enginelog import log_tail, open_fault
 from floeflow.dynamics.engineparams import EngineParams, Forcing
 from floeflow.dynamics.enginesetup import bond_reach, contact_reach, setup_commands
 from floeflow.dynamics.enginetables import (
@@ -31,6 +33,15 @@ from floeflow.dynamics.enginetables import (
     get_pairs,
     missing_pairs,
     put_pairs,
+)
+from floeflow.dynamics.enginewalls import (
+    FIX,
+    check_wall_contacts,
+    count_walls,
+    get_wall_contacts,
+    put_wall_contacts,
+    set_walls,
+    wall_forces,
 )
 from floeflow.dynamics.pluginlib import load_plugin, quiet_errors
 from floeflow.errors import FloeError
@@ -56,10 +67,14 @@ class Engine:
         Laws, switches and time step.
     log : Path
         File for LIGGGHTS' own log, written by the first rank.
+    walls : dict of ndarray, optional
+        Faces of walls, as from `floeflow.dynamics.walls`.
     """
 
-    def __init__(self, comm: MPI.Comm, params: EngineParams, log: Path) -> None:
-        self.comm, self.params, self.log = comm, params, Path(log)
+    def __init__(
+        self, comm: MPI.Comm, params: EngineParams, log: Path, walls: Arrays | None = None
+    ) -> None:
+        self.comm, self.params, self.log, self.walls = comm, params, Path(log), walls
         self._library = load_plugin()
         self._instance = ctypes.c_void_p()
         self._steps = 0
@@ -91,6 +106,7 @@ class Engine:
         bonds: Arrays | None = None,
         contacts: Arrays | None = None,
         time: float = 0.0,
+        wall_contacts: Arrays | None = None,
     ) -> None:
         """Open LIGGGHTS with a state.
 
@@ -107,6 +123,9 @@ class Engine:
             ridge_thickness and ridge_length (m).
         time : float
             Time of this state on the forcing's axis, s.
+        wall_contacts : dict of ndarray, shape (nw,), optional
+            id, face, and the columns of a contact. Absent: none, and ice that overlaps a wall is
+            pushed out.
 
         Raises
         ------
@@ -120,6 +139,9 @@ class Engine:
         check_elements(elements)
         check_bonds(elements, bonds)
         check_contacts(elements, bonds, contacts, self.params.contact_columns)
+        if self.walls is not None and wall_contacts is not None:
+            columns = self.params.contact_columns
+            check_wall_contacts(self.walls, elements, wall_contacts, columns)
         reach = max(
             bond_reach(elements, bonds, self.params), contact_reach(elements, contacts, self.params)
         )
@@ -131,8 +153,13 @@ class Engine:
             self._command(line)
         self._check(create_elements(self._library, self._instance, elements))
         self._library.floe_set_start_time(self._instance, self._start)
+        if self.walls is not None:
+            self._command(FIX)
+            self._check(set_walls(self._library, self._instance, self.walls))
         self._command("run 0 post no")
         self._put_pairs(bonds, contacts)
+        if self.walls is not None and wall_contacts is not None:
+            self._check(put_wall_contacts(self._library, self._instance, wall_contacts))
         self._command("run 0 post no")  # forces with the pairs
         if self._forcing is not None:
             self.set_forcing(self._forcing)
@@ -166,7 +193,8 @@ class Engine:
             If LIGGGHTS fails, an element becomes non-finite, runs away or is lost, or a bond
             leaves the neighbours' reach.
         """
-        self._check_time(steps)
+        begin = self._start + self._steps * self.params.time_step
+        check_time(self.params, self._forcing, begin, steps)
         while steps > 0:
             # Cut at multiples of the chunk, whatever the caller asks for.
             now = min(steps, CHUNK - self._steps % CHUNK)
@@ -186,6 +214,16 @@ class Engine:
     def contacts(self) -> Arrays:
         """Contact history, sorted by (id_lo, id_hi), on every rank."""
         return self._pairs()[1]
+
+    def wall_contacts(self) -> Arrays:
+        """History of contacts with walls, sorted by (id, face), on every rank."""
+        columns = self.params.contact_columns
+        return get_wall_contacts(self._library, self._instance, self.comm, columns)
+
+    def wall_forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Impulse (N s) on the ice since `load`, force on it now (N); each of shape (walls, 2)."""
+        walls = 0 if self.walls is None else count_walls(self.walls)
+        return wall_forces(self._library, self._instance, self.comm, walls)
 
     def _pairs(self) -> tuple[Arrays, Arrays]:
         columns = self.params.contact_columns
@@ -211,7 +249,7 @@ class Engine:
 
     def _open(self) -> None:
         # LIGGGHTS opens its log while it is half built, where a fault cannot be survived.
-        fault = self.comm.bcast(_open_fault(self.log) if self.comm.rank == 0 else None)
+        fault = self.comm.bcast(open_fault(self.log) if self.comm.rank == 0 else None)
         if fault:
             raise EngineError(f"{self.log}: LIGGGHTS' log cannot be written: {fault}.")
         words = ["liggghts", "-screen", "none", "-log", str(self.log)]
@@ -225,13 +263,13 @@ class Engine:
 
     def _put_pairs(self, bonds: Arrays, contacts: Arrays) -> None:
         self._check(put_pairs(self._library, self._instance, bonds, contacts))
-        held = self._pairs()
-        for table, present, kind in zip((bonds, contacts), held, ("bond", "contact"), strict=True):
-            missing = missing_pairs(table, present)
-            if missing:
+        for table, present, kind in zip(
+            (bonds, contacts), self._pairs(), ("bond", "contact"), strict=True
+        ):
+            for lo, hi in missing_pairs(table, present)[:1]:
                 raise EngineError(
-                    f"The {kind} between elements {missing[0][0]} and {missing[0][1]} lies outside "
-                    "of the neighbour lists: its elements are too far apart."
+                    f"The {kind} between elements {lo} and {hi} lies outside of the neighbour "
+                    "lists: its elements are too far apart."
                 )
 
     def _command(self, line: str) -> None:
@@ -242,21 +280,6 @@ class Engine:
             self._instance = ctypes.c_void_p()  # what it holds now is not to be trusted or freed
             raise EngineError(
                 f"LIGGGHTS: {self._library.floe_error().decode()}{log_tail(self.log)}"
-            )
-
-    def _check_time(self, steps: int) -> None:
-        needed = self.params.external
-        if not needed:
-            return
-        if self._forcing is None:
-            raise FloeError(f"The scene's effects need forcing ({', '.join(needed)}).")
-        first, last = float(self._forcing.time[0]), float(self._forcing.time[-1])
-        begin = self._start + self._steps * self.params.time_step
-        end = begin + steps * self.params.time_step
-        slack = 0.5 * self.params.time_step
-        if first < last and (begin < first - slack or end > last + slack):
-            raise FloeError(
-                f"The forcing covers {first:g} s to {last:g} s, not {begin:g} s to {end:g} s."
             )
 
     def _check_faults(self) -> None:
@@ -275,21 +298,3 @@ class Engine:
             raise EngineError(
                 f"Bonds were lost without breaking by step {self._steps}: set a longer reach."
             )
-
-
-def log_tail(log: Path, lines: int = 5) -> str:
-    """Last lines of a log, to stand behind a sentence; empty where there is none."""
-    try:
-        tail = log.read_text(errors="replace").splitlines()[-lines:]
-    except OSError:
-        return ""
-    return "".join(f"\n  {line}" for line in [f"(tail of {log})", *tail])
-
-
-def _open_fault(log: Path) -> str | None:
-    """Why a log cannot be written; None if it can."""
-    try:
-        log.open("a").close()
-    except OSError as error:
-        return error.strerror or type(error).__name__
-    return None

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from floeflow.dynamics.bondtable import BOND_COLUMNS, RIDGE_COLUMNS, Arrays, element_rows
-from floeflow.dynamics.engineparams import FIXED
+from floeflow.dynamics.engineparams import FIXED, EngineParams, Forcing
 from floeflow.errors import FloeError
 
 _POSITIVE = ("radius", "mass")
@@ -88,3 +88,19 @@ def check_contacts(
     for pair in zip(contacts["id_lo"].tolist(), contacts["id_hi"].tolist(), strict=True):
         if pair in bonded:
             raise FloeError(f"Elements {pair[0]} and {pair[1]} are bonded and in contact at once.")
+
+
+def check_time(params: EngineParams, forcing: Forcing | None, begin: float, steps: int) -> None:
+    """Refuse steps from a time (s) on that the forcing, where one is needed, does not cover."""
+    needed = params.external
+    if not needed:
+        return
+    if forcing is None:
+        raise FloeError(f"The scene's effects need forcing ({', '.join(needed)}).")
+    first, last = float(forcing.time[0]), float(forcing.time[-1])
+    end = begin + steps * params.time_step
+    slack = 0.5 * params.time_step
+    if first < last and (begin < first - slack or end > last + slack):
+        raise FloeError(
+            f"The forcing covers {first:g} s to {last:g} s, not {begin:g} s to {end:g} s."
+        )

@@ -25,7 +25,8 @@ _CONTACT = (*CONTACT_COLUMNS, *RIDGE_COLUMNS)
 _NOT_FINITE, _BOND_REACH = 1, 3
 
 
-def _columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
+def stack_columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
+    """Columns of a table side by side, shape (rows, columns)."""
     # Only ridging has the columns that may be missing; without it, and at its start, they are 0.
     none = np.zeros(len(next(iter(table.values()))))
     optional = ("ridged_area", *RIDGE_COLUMNS)
@@ -36,7 +37,7 @@ def _columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
     return np.ascontiguousarray(np.column_stack(columns))
 
 
-def _gather(comm: MPI.Comm, local: np.ndarray) -> np.ndarray:
+def gather(comm: MPI.Comm, local: np.ndarray) -> np.ndarray:
     """Rows of all ranks, by rank, on every rank."""
     counts = comm.allgather(local.nbytes)
     out = np.empty(sum(counts), np.uint8)
@@ -50,7 +51,7 @@ def create_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, elements: A
     """Make each rank's elements, in the order of the table; returns 1 if that failed."""
     ids = np.ascontiguousarray(elements["id"], dtype=np.int64)
     kind = np.ascontiguousarray(elements["type"], dtype=np.int8)
-    columns = _columns(elements, COLUMNS)
+    columns = stack_columns(elements, COLUMNS)
     return int(library.floe_create_elements(instance, len(ids), ids, kind, columns))
 
 
@@ -60,7 +61,7 @@ def get_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
     ids, kind = np.empty(n, np.int64), np.empty(n, np.int8)
     columns = np.empty((n, len(COLUMNS)))
     library.floe_get_elements(instance, ids, kind, columns)
-    ids, kind, columns = (_gather(comm, a) for a in (ids, kind, columns))
+    ids, kind, columns = (gather(comm, a) for a in (ids, kind, columns))
     order = np.argsort(ids)
     out: Arrays = {"id": ids[order], "type": kind[order]}
     for k, name in enumerate(COLUMNS):
@@ -75,7 +76,7 @@ def put_pairs(
     arguments: list[object] = []
     for table, names in ((bonds, BOND_COLUMNS), (contacts, _CONTACT)):
         ids = np.column_stack([table["id_lo"], table["id_hi"]]).astype(np.int64)
-        arguments += [len(ids), np.ascontiguousarray(ids), _columns(table, names)]
+        arguments += [len(ids), np.ascontiguousarray(ids), stack_columns(table, names)]
     return int(library.floe_put_pairs(instance, *arguments))
 
 
@@ -96,7 +97,7 @@ def get_pairs(
     library.floe_get_pairs(instance, ids[0], values[0], ids[1], values[1])
     tables = []
     for k, (names, wanted) in enumerate(((BOND_COLUMNS, BOND_COLUMNS), (_CONTACT, contact))):
-        pair, row = _gather(comm, ids[k]), _gather(comm, values[k])
+        pair, row = gather(comm, ids[k]), gather(comm, values[k])
         order = np.lexsort((pair[:, 1], pair[:, 0]))
         table = {"id_lo": pair[order, 0].copy(), "id_hi": pair[order, 1].copy()}
         for column, name in enumerate(names):

@@ -15,10 +15,14 @@ from mpi4py import MPI
 
 from floeflow.config import Scene
 from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.dynamics.collective import on_root
 from floeflow.dynamics.elements import Arrays, element_arrays, moved_state, pair_arrays
+from floeflow.dynamics.energycheck import check_energy
 from floeflow.dynamics.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.overlaps import rest_overlaps
 from floeflow.dynamics.ridging import close_areas
 from floeflow.dynamics.timestep import critical_step
+from floeflow.dynamics.wallridges import shift_wall_contacts
 from floeflow.effects import plugin_switches
 from floeflow.state.schema import MOBILE
 
@@ -40,14 +44,18 @@ class Motion:
     limited_by: str = ""
     setup_seconds: float = 0.0
     seconds: float = 0.0
+    cpu_seconds: float = 0.0
     samples: dict[str, list[float]] = field(default_factory=dict)
     budget: dict[str, float] = field(default_factory=dict)
+    # Given by each wall until the last sample, N s, (walls, 2).
+    wall_impulse: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
     """Parameters of the engine for a scene: SI units, angles in radians."""
     d = scene.dynamics
-    switches = dict.fromkeys(plugin_switches(scene.effects), True)
+    switches: dict[str, bool] = dict.fromkeys(plugin_switches(scene.effects), True)
+    turned = switches.pop("turning_angle", False)
     return EngineParams(
         time_step=time_step,
         **{"friction": False, **switches},
@@ -66,7 +74,7 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
         ridge_thickness=d.ridge_thickness,
         wind_stress_factor=AIR_DENSITY * d.air_drag,
         ocean_stress_factor=SEAWATER_DENSITY * d.ocean_drag,
-        turning_angle=math.radians(d.turning_angle),
+        turning_angle=math.radians(d.turning_angle) if turned else 0.0,
         relative_wind=d.relative_wind,
     )
 
@@ -122,33 +130,53 @@ def move(
     if not (elements["type"] == MOBILE).any():
         return _still(scene, state)
     bonds = pair_arrays(state, "bond") if "bonds" in scene.effects else None
-    step, between, limited_by = choose_step(scene, elements, bonds)
+    # On one rank: eigenvalues from unlike processors may differ in their last bit.
+    step, between, limited_by = on_root(comm, choose_step, scene, elements, bonds)
     params = engine_params(scene, step)
     motion = Motion(state, between * scene.dynamics.samples, step, limited_by)
     log.parent.mkdir(parents=True, exist_ok=True)
-    with Engine(comm, params, log) as engine:
-        engine.load(elements, bonds, pair_arrays(state, "contact"), float(state.attrs["time"]))
+    walled = "walls" in scene.effects
+    faces, held = (
+        pair_arrays(state, f"wall_{kind}") if walled else None for kind in ("face", "contact")
+    )
+    with Engine(comm, params, log, faces) as engine:
+        contacts = rest_overlaps(elements, bonds, pair_arrays(state, "contact"))
+        start = float(state.attrs["time"])
+        engine.load(elements, bonds, contacts, start, held)
         if params.external:
             engine.set_forcing(engine_forcing(forcing, params.external))
         first = engine.diagnostics()
         _sample(motion, scene, engine.elements(), first, 0.0)
+        if walled:
+            _sample_walls(motion, scene, engine, 0.0)
         motion.setup_seconds = time.perf_counter() - began
-        began = time.perf_counter()
+        began, used = time.perf_counter(), time.process_time()
         for k in range(1, scene.dynamics.samples + 1):
             engine.run(between)
             sums = engine.diagnostics()
-            _sample(motion, scene, engine.elements(), sums, k * between * step)
+            here = engine.elements()
+            check_energy(first, sums, here, k * between)
+            _sample(motion, scene, here, sums, k * between * step)
+            if walled:
+                _sample_walls(motion, scene, engine, between * step)
             seconds = time.perf_counter() - began
             n = len(elements["id"])
             report(step=k * between, steps=motion.steps, elements=n, dynamics_seconds=seconds)
         motion.seconds = time.perf_counter() - began
+        motion.cpu_seconds = comm.allreduce(time.process_time() - used)
         motion.budget = _budget(scene, first, sums)
         left = engine.bonds() if bonds is not None else None
         moved = engine.elements()
-        motion.state = moved_state(state, moved, left, engine.contacts())
+        walls = engine.wall_contacts() if walled else None
+        motion.state = moved_state(state, moved, left, engine.contacts(), walls)
     if params.ridging:
         ridged = moved["ridged_area"]
-        motion.state = close_areas(motion.state, ridged, scene.dynamics.minimum_thickness)
+        whole, least = motion.state, scene.dynamics.minimum_thickness
+        motion.state = close_areas(whole, ridged, least)
+        if walled:
+            motion.state = shift_wall_contacts(
+                whole, motion.state, least, start + scene.time.window
+            )
         motion.budget["ridged_area"] = float(ridged.sum())
     return motion
 
@@ -163,7 +191,7 @@ def _sample(
     values = {
         "time": at,
         "kinetic_energy": sums["kinetic"] + sums["rotational"],
-        "elastic_energy": sums["elastic_bond"] + sums["elastic_contact"],
+        "elastic_energy": sums["elastic_bond"] + sums["elastic_contact"] + sums["elastic_wall"],
         "drift_speed": drift,
         "largest_speed": float(speed.max()),
     }
@@ -171,6 +199,16 @@ def _sample(
         values["intact_bonds"] = sums["bonds"]
     for name, value in values.items():
         motion.samples.setdefault(name, []).append(value)
+
+
+def _sample_walls(motion: Motion, scene: Scene, engine: Engine, seconds: float) -> None:
+    """Force of the ice on each wall: its mean since the sample before; now, at the first."""
+    impulse, now = engine.wall_forces()
+    force = (impulse - motion.wall_impulse) / seconds if seconds else now
+    motion.wall_impulse = impulse
+    for name, each in zip(scene.walls.names, force, strict=True):
+        for axis, value in zip("xy", each, strict=True):
+            motion.samples.setdefault(f"wall_force_{name}_{axis}", []).append(-float(value))
 
 
 def _budget(scene: Scene, first: dict[str, float], last: dict[str, float]) -> dict[str, float]:
@@ -182,11 +220,16 @@ def _budget(scene: Scene, first: dict[str, float], last: dict[str, float]) -> di
     for axis in "xy":
         budget[f"momentum_{axis}_start"] = first[f"momentum_{axis}"]
         budget[f"momentum_{axis}_end"] = last[f"momentum_{axis}"]
-        budget[f"impulse_coast_{axis}"] = -last[f"impulse_fixed_{axis}"]
+        if "coast" in scene.effects:
+            budget[f"impulse_coast_{axis}"] = -last[f"impulse_fixed_{axis}"]
+        if "walls" in scene.effects:
+            budget[f"impulse_wall_{axis}"] = last[f"impulse_wall_{axis}"]
         for name in kept:
             budget[f"impulse_{name}_{axis}"] = last[f"impulse_{name}_{axis}"]
     for name in kept:
         budget[f"work_{name}"] = last[f"work_{name}"]
+    if "walls" in scene.effects:
+        budget["work_wall"] = last["work_wall"]
     lossy = {"bond": on.bonds, "fracture": on.bonds, "friction": on.friction, "contact": True}
     lossy["ridging"] = on.ridging
     for name in _LOSSES:
@@ -200,12 +243,15 @@ def _still(scene: Scene, state: xr.Dataset) -> Motion:
     names = ["kinetic_energy", "elastic_energy", "drift_speed", "largest_speed"]
     if "bonds" in scene.effects:
         names.append("intact_bonds")
+    if "walls" in scene.effects:
+        names += [f"wall_force_{name}_{axis}" for name in scene.walls.names for axis in "xy"]
     moments = np.linspace(0.0, scene.time.window, scene.dynamics.samples + 1)
     samples = {"time": moments.tolist()} | {name: [0.0] * len(moments) for name in names}
     nothing = dict.fromkeys(
         ("momentum_x", "momentum_y", *(f"impulse_{n}_{a}" for n in _IMPULSES for a in "xy")), 0.0
     )
     nothing |= {f"impulse_fixed_{axis}": 0.0 for axis in "xy"}
+    nothing |= {f"impulse_wall_{axis}": 0.0 for axis in "xy"} | {"work_wall": 0.0}
     nothing |= {f"work_{name}": 0.0 for name in _IMPULSES}
     nothing |= {f"dissipation_{name}": 0.0 for name in _LOSSES}
     budget = _budget(scene, nothing, nothing)

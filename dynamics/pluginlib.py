@@ -49,6 +49,14 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     ),
     "floe_count_pairs": (None, [ctypes.c_void_p, _COUNTED, _COUNTED]),
     "floe_get_pairs": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS, _INTEGERS, _NUMBERS]),
+    "floe_set_walls": (
+        ctypes.c_int,
+        [ctypes.c_void_p, _COUNT, _COUNT, _INTEGERS, _NUMBERS],
+    ),
+    "floe_put_wall_contacts": (ctypes.c_int, [ctypes.c_void_p, _COUNT, _INTEGERS, _NUMBERS]),
+    "floe_count_wall_contacts": (_COUNT, [ctypes.c_void_p]),
+    "floe_get_wall_contacts": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
+    "floe_wall_forces": (None, [ctypes.c_void_p, _NUMBERS, _NUMBERS]),
     "floe_set_forcing": (
         ctypes.c_int,
         [

@@ -32,6 +32,7 @@ PREFIX_UNITS = {
     "growth_": "m3",
     "snow_": "m3",
     "energy_": "J",
+    "wall_force_": "N",
 }
 
 
@@ -64,7 +65,7 @@ def series_dataset(motion: Motion, budget: dict[str, float], start: float) -> xr
         array = np.asarray(values, dtype=float)
         if name == "time":
             array = array + start
-        data[name] = ("sample", array, {"units": UNITS[name]})
+        data[name] = ("sample", array, {"units": UNITS.get(name) or _unit(name)})
     for name, value in {**motion.budget, **budget}.items():
         data[name] = ((), float(value), {"units": _unit(name)})
     return data

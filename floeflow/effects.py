@@ -4,10 +4,14 @@
 A scene names its effects. What it does not name is absent: no rule in the workflow, no switch in
 the plugin, no variable in the state file, no figure in the report. Every stage asks this registry
 instead of keeping a list of its own.
+
+A new effect is one entry here, and one in ``floeflow/estimate/numbers.py``: the dimensionless
+number that says when it matters. ``docs/effects.md`` is generated from both.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -37,10 +41,16 @@ class Effect:
         Forcing variables it reads.
     state : tuple of str
         Variables it adds to the state.
+    with_state : tuple of (str, tuple of str)
+        Variables it adds to the state where another effect is named too.
     output : tuple of str
         Variables it adds to the gridded output.
     diagnostics : tuple of str
-        Series and figures it adds to the report.
+        Series it adds to the diagnostics.
+    rules : tuple of str
+        Rules it adds to the workflow.
+    figures : tuple of str
+        How the names of the figures begin that it adds to the report.
     """
 
     name: str
@@ -51,8 +61,11 @@ class Effect:
     column: tuple[str, ...] = ()
     forcing: tuple[str, ...] = ()
     state: tuple[str, ...] = ()
+    with_state: tuple[tuple[str, tuple[str, ...]], ...] = ()
     output: tuple[str, ...] = ()
     diagnostics: tuple[str, ...] = ()
+    rules: tuple[str, ...] = ()
+    figures: tuple[str, ...] = ()
 
 
 _BOND_STATE = (
@@ -75,6 +88,12 @@ _BOND_STATE = (
 
 _RIDGE_STATE = ("contact_ridge_closing", "contact_ridge_thickness", "contact_ridge_length")
 
+_WALL_STATE = (
+    *(f"wall_face_{name}" for name in ("wall", "plane", "before", "after")),
+    *(f"wall_face_{name}" for name in ("ax", "ay", "bx", "by", "u", "v")),
+    *("wall_contact_id", "wall_contact_face", "wall_contact_slip", "wall_contact_rest_overlap"),
+)
+
 _REGISTERED = (
     Effect(
         name="wind",
@@ -91,6 +110,13 @@ _REGISTERED = (
         plugin=("ocean_drag",),
         forcing=("ocean_u", "ocean_v"),
         diagnostics=("impulse_ocean",),
+    ),
+    Effect(
+        name="turning_angle",
+        physics="Ocean drag turned by the angle of the boundary layer below the ice.",
+        source="McPhee 1975; Hibler 1979",
+        needs=("ocean_drag",),
+        plugin=("turning_angle",),
     ),
     Effect(
         name="coriolis",
@@ -121,6 +147,14 @@ _REGISTERED = (
         plugin=("bonds",),
         state=_BOND_STATE,
         diagnostics=("intact_bonds",),
+        rules=("bonds",),
+        figures=("elements_bonds", "series_bonds"),
+    ),
+    Effect(
+        name="coast",
+        physics="Fixed elements along the land, which push back and rub.",
+        source="Turner et al. 2022",
+        diagnostics=("impulse_coast",),
     ),
     Effect(
         name="ridging",
@@ -138,6 +172,15 @@ _REGISTERED = (
         forcing=("air_temperature",),
         state=("contact_touch_time",),
         diagnostics=("bonds_refrozen",),
+    ),
+    Effect(
+        name="walls",
+        physics="Rigid walls, also moving ones: sides of the scene, planes, triangle meshes.",
+        source="The contact laws against a rigid partner",
+        state=_WALL_STATE,
+        with_state=(("ridging", tuple(f"wall_{name}" for name in _RIDGE_STATE)),),
+        diagnostics=("impulse_wall",),
+        figures=("series_walls",),
     ),
     Effect(
         name="thermodynamics",
@@ -158,6 +201,20 @@ _REGISTERED = (
         state=("snow_volume", "surface_temperature"),
         output=("sisnthick",),
         diagnostics=("ice_growth",),
+        figures=("series_snow", "budget_column_energy", "budget_snow_volume"),
+    ),
+    Effect(
+        name="grid_output",
+        physics="Fields of the ice on the scene's grid at each window boundary, as CF NetCDF.",
+        source="moving least squares: Lancaster & Salkauskas 1981",
+        rules=("grid",),
+        figures=("grid_",),
+    ),
+    Effect(
+        name="trajectory_output",
+        physics="Paths of the elements at the window boundaries, for OVITO and MDAnalysis.",
+        source="LAMMPS dump format",
+        rules=("trajectory_files",),
     ),
 )
 
@@ -204,7 +261,15 @@ def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
 
 def state_variables(names: Iterable[str]) -> tuple[str, ...]:
     """Variables that these effects add to the state."""
-    return _collect("state", names)
+    names = tuple(names)
+    both = (
+        variable
+        for name in names
+        for other, variables in EFFECTS[name].with_state
+        if other in names
+        for variable in variables
+    )
+    return tuple(dict.fromkeys((*_collect("state", names), *both)))
 
 
 def output_variables(names: Iterable[str]) -> tuple[str, ...]:
@@ -215,3 +280,9 @@ def output_variables(names: Iterable[str]) -> tuple[str, ...]:
 def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
     """Series that these effects add to the diagnostics."""
     return _collect("diagnostics", names)
+
+
+if __name__ == "__main__":
+    from floeflow.estimate.command import main
+
+    sys.exit(main())

@@ -15,6 +15,7 @@
 #include "bond_command.h"
 #include "contact_models.h"
 #include "fix_floe_integrate.h"
+#include "fix_floe_walls.h"
 #include "granular_pair_style.h"
 #include "input.h"
 #include "lammps.h"
@@ -68,6 +69,8 @@ void bond_command(LAMMPS *lmp, int narg, char **arg) { BondCommand(lmp).command(
 
 Fix *create_fix(LAMMPS *lmp, int narg, char **arg) { return new FixFloeIntegrate(lmp, narg, arg); }
 
+Fix *create_walls(LAMMPS *lmp, int narg, char **arg) { return new FixFloeWalls(lmp, narg, arg); }
+
 void register_pair() {
   auto &models = LIGGGHTS::ContactModels::Factory::instance();
   if (models.getNormalModelId("floe") == normal_model_id) return;
@@ -82,6 +85,7 @@ void register_pair() {
 void register_models(LAMMPS *lmp) {
   register_pair();
   (*(lmp->modify->*get(FixMap())))["floe/integrate"] = create_fix;
+  (*(lmp->modify->*get(FixMap())))["floe/walls"] = create_walls;
   (*(lmp->input->*get(CommandMap())))["floe_bonds"] = bond_command;
 }
 
@@ -93,6 +97,7 @@ Parts find_parts(LAMMPS *lmp) {
     out.floe = dynamic_cast<PairFloe *>(proxy->*get(PairImplementation()));
   }
   out.fix = dynamic_cast<FixFloeIntegrate *>(lmp->modify->find_fix_style("floe/integrate", 0));
+  out.walls = dynamic_cast<FixFloeWalls *>(lmp->modify->find_fix_style("floe/walls", 0));
   return out;
 }
 

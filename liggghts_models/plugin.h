@@ -7,6 +7,7 @@
 namespace LAMMPS_NS {
 class LAMMPS;
 class FixFloeIntegrate;
+class FixFloeWalls;
 class PairGran;
 }  // namespace LAMMPS_NS
 
@@ -22,6 +23,7 @@ struct Parts {
   LAMMPS_NS::PairGran *pair = nullptr;
   PairFloe *floe = nullptr;
   LAMMPS_NS::FixFloeIntegrate *fix = nullptr;
+  LAMMPS_NS::FixFloeWalls *walls = nullptr;
 };
 Parts find_parts(LAMMPS_NS::LAMMPS *lmp);
 

@@ -27,15 +27,15 @@ class Limits:
     fair: float
 
 
-# Sums of a window's terms reach round-off. What depends on the time step (energy of the DEM) or on
-# the grid (totals of an interpolation) cannot, and gets the width of its method.
+# Sums of a window's terms reach round-off, and so do the grid's totals. What depends on the time
+# step (energy of the DEM) cannot, and gets the width of its method.
 LIMITS: dict[str, Limits] = {
     "momentum": Limits(1e-8, 1e-4),
     "ice_volume": Limits(1e-10, 1e-6),
     "ice_volume_dynamics": Limits(1e-12, 1e-9),
     "column_energy": Limits(1e-10, 1e-6),
     "dem_energy": Limits(2e-2, 1e-1),
-    "grid": Limits(1e-6, 2e-2),
+    "grid": Limits(1e-10, 1e-6),
 }
 
 
@@ -271,7 +271,9 @@ def dem_energy_budget(scalars: xr.Dataset, kinetic: Array, elastic: Array) -> Bu
     )
 
 
-def grid_budget(name: str, label: str, unit: str, grid: xr.DataArray, elements: Array) -> Budget:
+def grid_budget(
+    name: str, label: str, unit: str, grid: xr.DataArray, elements: Array, outside: Array
+) -> Budget:
     """Total on the grid against the elements' total at the same window boundaries.
 
     Parameters
@@ -282,13 +284,15 @@ def grid_budget(name: str, label: str, unit: str, grid: xr.DataArray, elements: 
         Totals on the grid with the coordinate ``grid_window``, (grid,).
     elements : ndarray
         The elements' totals at the same boundaries, (grid,).
+    outside : ndarray
+        The part of it in elements that have left the grid, (grid,).
     """
     return Budget(
         f"grid_{name}",
         label,
         unit,
         grid.values.astype(float),
-        {"elements": elements},
+        {"elements": elements, "outside": -outside} if outside.any() else {"elements": elements},
         elements,
         grid["grid_window"].values,
         LIMITS["grid"],

@@ -14,7 +14,7 @@ from floeflow import __version__
 from floeflow.config import Scene
 from floeflow.effects import output_variables
 from floeflow.errors import FloeError
-from floeflow.postprocess.remap.grid import Array
+from floeflow.postprocess.remap.stencil import Array
 from floeflow.preprocess.grids import scene_crs, scene_grid, to_lonlat
 
 MISSING = 1.0e20
@@ -109,7 +109,7 @@ def describe(
         "title": f"Sea ice of scene {scene.name} at window boundary {state.attrs['window']}",
         "source": f"FloeFlow {__version__}, sea-ice discrete element model",
         "effects": " ".join(scene.effects),
-        "history": "moving least squares from elements to the grid (floeflow.postprocess.grid)",
+        "history": "conservative remapping from elements to the grid (floeflow.postprocess.grid)",
     }
     for name in map(str, data.variables):
         filled = name in DESCRIPTIONS
@@ -179,15 +179,21 @@ def _add_method(data: xr.Dataset, fields: dict[str, Array]) -> None:
         "grid_mapping": "crs",
     }
     for name, units, what in (
-        ("siarea_residual", "m2", "ice area"),
-        ("sivolume_residual", "m3", "ice volume"),
+        ("siarea", "m2", "ice area"),
+        ("sivolume", "m3", "ice volume"),
+        ("sisnvolume", "m3", "snow volume"),
     ):
-        data[name] = ("time", fields[name][None])
-        data[name].attrs = {
-            "long_name": f"total {what} of the grid minus that of the elements",
-            "units": units,
-            "cell_methods": "time: point",
-        }
+        for part, meaning in (
+            ("residual", f"total {what} of the grid minus that of the elements on it"),
+            ("outside", f"{what} in elements outside of the grid"),
+        ):
+            if f"{name}_{part}" in fields:
+                data[f"{name}_{part}"] = ("time", fields[f"{name}_{part}"][None])
+                data[f"{name}_{part}"].attrs = {
+                    "long_name": meaning,
+                    "units": units,
+                    "cell_methods": "time: point",
+                }
 
 
 def write_grid(data: xr.Dataset, path: Path) -> None:

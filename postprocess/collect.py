@@ -39,6 +39,12 @@ GRID_QUANTITIES = {
     "ice_volume": ("sivol",),
     "snow_volume": ("siconc", "sisnthick"),
 }
+# What lies in elements outside of the grid.
+GRID_OUTSIDE = {
+    "ice_area": "siarea_outside",
+    "ice_volume": "sivolume_outside",
+    "snow_volume": "sisnvolume_outside",
+}
 
 
 def window_file(folder: Path, window: int, suffix: str) -> Path:
@@ -78,7 +84,7 @@ def read_series(
     for window in windows:
         path = window_file(folder, window, ".nc")
         data = read_dataset(path)
-        for name in _expected(effects):
+        for name in expected_series(effects):
             if name not in data:
                 raise FloeError(f"{path}: variable '{name}' is missing")
         data.attrs = {}
@@ -92,7 +98,8 @@ def read_series(
     return xr.concat(samples, "sample", join="exact", combine_attrs="drop_conflicts"), joined
 
 
-def _expected(effects: tuple[str, ...]) -> list[str]:
+def expected_series(effects: tuple[str, ...]) -> list[str]:
+    """Variables of a series that a scene with these effects must hold."""
     names = [*SAMPLED, *SCALARS]
     for series in diagnostic_series(effects):
         if series.startswith("impulse_"):
@@ -226,7 +233,7 @@ def cell_area(grid: xr.Dataset, path: Path) -> np.ndarray:
 
 
 def summarise_grids(paths: Sequence[Path]) -> xr.Dataset:
-    """Totals of the gridded output on ``grid``: grid_ice_area, grid_ice_volume, ..."""
+    """Totals of the gridded output on ``grid``: grid_ice_area, outside_ice_area, ..."""
     rows: list[dict[str, float]] = []
     for path in paths:
         data = read_grid(path)
@@ -238,6 +245,8 @@ def summarise_grids(paths: Sequence[Path]) -> xr.Dataset:
                 for factor in factors:
                     product = product * data[factor].values
                 row[f"grid_{name}"] = float(np.nansum(product))
+                if GRID_OUTSIDE[name] in data:
+                    row[f"outside_{name}"] = float(data[GRID_OUTSIDE[name]])
         rows.append(row)
     names = sorted(set.intersection(*(set(row) for row in rows))) if rows else []
     columns = {name: ("grid", np.array([row[name] for row in rows])) for name in names}

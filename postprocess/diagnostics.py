@@ -57,6 +57,9 @@ UNITS = {
     "grid_ice_area": ("m2", "ice area on the grid"),
     "grid_ice_volume": ("m3", "ice volume on the grid"),
     "grid_snow_volume": ("m3", "snow volume on the grid"),
+    "outside_ice_area": ("m2", "ice area outside of the grid"),
+    "outside_ice_volume": ("m3", "ice volume outside of the grid"),
+    "outside_snow_volume": ("m3", "snow volume outside of the grid"),
 }
 GRID_LABELS = {
     "ice_area": ("Ice area on the grid", "m2"),
@@ -109,7 +112,8 @@ def close_budgets(
             known = np.isin(grids["grid_window"].values, boundaries["boundary"].values)
             kept = grids.isel(grid=np.flatnonzero(known))
             elements = boundaries[name].sel(boundary=kept["grid_window"].values).values
-            found.append(grid_budget(name, label, unit, kept[f"grid_{name}"], elements))
+            outside = kept.get(f"outside_{name}", xr.zeros_like(kept[f"grid_{name}"])).values
+            found.append(grid_budget(name, label, unit, kept[f"grid_{name}"], elements, outside))
     return found
 
 
@@ -248,7 +252,7 @@ def diagnose(
     samples, scalars = read_series(folder / "series", windows, effects)
     boundaries, states = summarise_states(folder / "state", windows, effects)
     costs = read_cost(folder / "cost", windows)
-    gridded = summarise_grids(sorted(grids))
+    gridded = summarise_grids(sorted(grids)) if grids else xr.Dataset()
     budgets = close_budgets(samples, scalars, boundaries, gridded, effects)
     seconds = cost_by_stage(costs, np.asarray(windows))
     data = assemble(samples, scalars, boundaries, gridded, budgets, seconds)

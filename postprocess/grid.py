@@ -2,8 +2,8 @@
 """Gridded output of one window boundary: CF NetCDF that climate models and their tools read.
 
 Properties of the ice are averaged by moving least squares, how much of a cell's sea it covers
-comes from dealing out the elements' areas (docs/theory/remap.md). Nothing is corrected to the
-elements' totals yet; what the grid lacks or has in excess is written beside the fields.
+comes from dealing out the elements' areas; both are then moved, as little as it takes, to the
+elements' totals (docs/theory/remap.md). What lies outside of the grid is written beside the fields.
 """
 
 import logging
@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from floeflow import stage
 from floeflow.config import Scene
@@ -19,26 +20,30 @@ from floeflow.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.errors import FloeError
 from floeflow.postprocess.cf import describe, write_grid
 from floeflow.postprocess.remap import (
+    ROOM,
     Field,
     Grid,
-    Remapper,
     Room,
-    build_bins,
+    build_remapper,
     build_room,
-    build_weights,
-    remap,
+    carry,
+    near_cells,
 )
-from floeflow.postprocess.remap.grid import Array
+from floeflow.postprocess.remap.stencil import Array
 from floeflow.preprocess.grids import scene_grid
 from floeflow.state import read_dataset, read_state
 from floeflow.state.schema import MOBILE
 
 log = logging.getLogger(__name__)
 
-CONCENTRATION = Field("siconc", "intensive", "area")
-THICKNESS = Field("sithick", "intensive", "ice_area")
-SNOW = Field("sisnthick", "intensive", "ice_area")
+AMOUNTS = (
+    Field("area", "extensive", ROOM),
+    Field("ice_area", "extensive", "area"),
+    Field("ice_volume", "extensive", "ice_area"),
+    Field("snow_volume", "extensive", "ice_area"),
+)
 VELOCITIES = (Field("siu", "intensive", "ice_mass"), Field("siv", "intensive", "ice_mass"))
+RESIDUALS = {"ice_area": "siarea", "ice_volume": "sivolume", "snow_volume": "sisnvolume"}
 
 
 def cell_areas(mask: xr.Dataset, shape: tuple[int, int]) -> Array:
@@ -101,7 +106,7 @@ def hat_reach(state: xr.Dataset, grid: Grid) -> int:
 
 
 def gridded_fields(state: xr.Dataset, room: Room) -> dict[str, Array]:
-    """Fields of the ice on a grid.
+    """Fields of the ice on a grid, with the totals of the elements.
 
     Parameters
     ----------
@@ -115,48 +120,61 @@ def gridded_fields(state: xr.Dataset, room: Room) -> dict[str, Array]:
     dict of ndarray
         siconc, sithick, sivol, siu, siv, sisnthick with snow: (ny, nx). siconc and sivol are NaN
         where there is no sea, the others where there is no ice. remap_method: (ny, nx) of int8.
-        siarea_residual (m2), sivolume_residual (m3): the grid's total minus the elements'.
+        siarea_residual (m2), sivolume_residual and, with snow, sisnvolume_residual (m3): the
+        grid's total minus that of the elements on it; siarea_outside ...: what lies in elements
+        outside of the grid.
+
+    Raises
+    ------
+    FloeError
+        Where the state holds values that cannot be.
     """
     mobile = state.isel(element=np.flatnonzero(state["type"].values == MOBILE))
     x, y, area = (mobile[name].values for name in ("x", "y", "area"))
     fraction, volume = (mobile[name].values.sum(axis=1) for name in ("ice_fraction", "ice_volume"))
-    iced = fraction > 0.0
-    snow = mobile["snow_volume"].values.sum(axis=1) if "snow_volume" in mobile else None
-    mass = area * (ICE_DENSITY * volume + (0.0 if snow is None else SNOW_DENSITY * snow))
-    parents = {"area": area, "ice_area": area * fraction, "ice_mass": mass}
-    remapper = Remapper(
-        weights={
-            name: build_weights(x, y, amount, room.grid, reach=room.reach)
-            for name, amount in parents.items()
-        },
-        bins=build_bins(x, y, room),
-    )
+    snow = mobile["snow_volume"].values.sum(axis=1) if "snow_volume" in mobile else 0.0 * volume
+    values = {
+        "area": area,
+        "ice_area": area * fraction,
+        "ice_volume": area * np.where(fraction > 0.0, volume, 0.0),
+        "snow_volume": area * np.where(fraction > 0.0, snow, 0.0),
+    }
+    parents = {name: values[name] for name in ("area", "ice_area")}
+    remapper = build_remapper(x, y, parents, room, radius=mobile["radius"].values)
+    carried = carry(AMOUNTS, values, remapper, near=_near(mobile, room))
+    found = carried.values
+    # Velocity is a property of the mass, which is known on the grid only now.
+    mass = ICE_DENSITY * values["ice_volume"] + SNOW_DENSITY * values["snow_volume"]
+    on_grid = ICE_DENSITY * found["ice_volume"] + SNOW_DENSITY * found["snow_volume"]
+    moving = {"ice_mass": mass, "siu": mobile["u"].values, "siv": mobile["v"].values}
+    heavy = build_remapper(x, y, {"ice_mass": mass}, room, radius=mobile["radius"].values)
+    speeds = carry(VELOCITIES, moving, heavy, known={"ice_mass": on_grid})
 
-    def per_ice(amount: Array) -> Array:
-        return np.divide(amount, fraction, out=np.full_like(amount, np.nan), where=iced)
-
-    is_sea = room.area > 0.0
-    covered = np.minimum(np.nan_to_num(remapper.bins.coverage(area)), 1.0)
-    siconc = covered * np.nan_to_num(remap(CONCENTRATION, fraction, remapper))
-    sithick = remap(THICKNESS, per_ice(volume), remapper)
-    siconc = np.where(np.isfinite(sithick), siconc, 0.0)
-    fields = {"siconc": siconc, "sithick": sithick, "sivol": siconc * np.nan_to_num(sithick)}
-    if snow is not None:
-        fields["sisnthick"] = remap(SNOW, per_ice(snow), remapper)
-    for velocity, name in zip(VELOCITIES, ("u", "v"), strict=True):
-        fields[velocity.name] = remap(velocity, mobile[name].values, remapper)
-    has_ice = is_sea & (siconc > 0.0)
-    for name, values in fields.items():
-        keep = is_sea if name in ("siconc", "sivol") else has_ice
-        fields[name] = np.where(keep, values, np.nan)
+    is_sea, sea = room.area > 0.0, np.where(room.area > 0.0, room.area, 1.0)
+    has_ice = is_sea & (found["ice_area"] > 0.0)
+    per_ice = np.where(has_ice, found["ice_area"], np.nan)
+    fields = {
+        "siconc": np.where(is_sea, found["ice_area"] / sea, np.nan),
+        "sivol": np.where(is_sea, found["ice_volume"] / sea, np.nan),
+        "sithick": found["ice_volume"] / per_ice,
+    }
+    if "snow_volume" in mobile:
+        fields["sisnthick"] = found["snow_volume"] / per_ice
+    fields |= {name: np.where(has_ice, v, np.nan) for name, v in speeds.values.items()}
     method = remapper.weights["ice_area"].status
     fields["remap_method"] = np.where(has_ice, method, 0).astype(np.int8)
-    for name, field, amount in (
-        ("siarea_residual", "siconc", area * fraction),
-        ("sivolume_residual", "sivol", area * volume),
-    ):
-        fields[name] = np.asarray(np.nansum(fields[field] * room.area) - amount.sum())
+    for name, output in RESIDUALS.items():
+        if name != "snow_volume" or "snow_volume" in mobile:
+            fields[f"{output}_residual"] = np.asarray(0.0 - carried.missing[name])
+            fields[f"{output}_outside"] = np.asarray(carried.outside[name])
     return fields
+
+
+def _near(mobile: xr.Dataset, room: Room) -> NDArray[np.bool_]:
+    """Cells that may hold ice: those within one grid spacing of an element that has some."""
+    iced = mobile.isel(element=np.flatnonzero(mobile["ice_fraction"].values.sum(axis=1) > 0.0))
+    x, y, radius = (iced[name].values for name in ("x", "y", "radius"))
+    return near_cells(x, y, radius, room.target, room.target.pairs(x, y, room.reach))
 
 
 def make_grid(scene: Scene, state: xr.Dataset, mask: xr.Dataset) -> xr.Dataset:
@@ -194,8 +212,11 @@ def main(snakemake: stage.Snakemake) -> None:
     state = read_state(snakemake.input.state)
     data = make_grid(scene, state, read_dataset(snakemake.input.mask))
     write_grid(data, Path(str(snakemake.output.grid)))
-    area, volume = float(data["siarea_residual"][0]), float(data["sivolume_residual"][0])
-    log.info("grid minus elements: ice area %.4g km2, volume %.4g km3", area / 1e6, volume / 1e9)
+    for name, unit, size in (("siarea", "km2", 1e6), ("sivolume", "km3", 1e9)):
+        left, gone = (float(data[f"{name}_{what}"][0]) / size for what in ("residual", "outside"))
+        log.info(
+            "%s: grid minus elements %.3g %s, off the grid %.4g %s", name, left, unit, gone, unit
+        )
 
 
 if "snakemake" in globals():

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Polygon meshes as VTK files for ParaView: the only module that imports meshio.
+"""Polygon meshes as VTK files for ParaView, and meshes to read: the only module with meshio.
 
-meshio's last release is of 2024, so it may have to be replaced; what is asked of it is in one
-function here. Polygons go in blocks of one number of corners, the form in which meshio takes them.
+meshio's last release is of 2024, so it may have to be replaced; what is asked of it is in a few
+functions here. Polygons go in blocks of one number of corners, the form in which meshio takes them.
 """
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -58,6 +59,79 @@ def write_polygons(
         cell_data={name: [values[row] for row in rows] for name, values in cell_data.items()},
     )
     _write_whole(path, lambda temporary: mesh.write(temporary, file_format="vtu"))
+
+
+def read_faces(path: Path) -> tuple[Array, Array, Index]:
+    """Read the triangles and quadrilaterals of a mesh in any format of meshio.
+
+    Returns
+    -------
+    tuple of ndarray
+        Points x and y (m), (points,), and points of each face, (faces, 4), -1 ending a triangle's.
+
+    Raises
+    ------
+    FloeError
+        For a file that is missing, that meshio does not read, or that has other faces or none.
+    """
+    if not path.is_file():
+        raise FloeError(f"{path}: there is no such file")
+    try:
+        # meshio ends the process where it does not know a format, and raises what it likes else.
+        mesh = meshio.read(path)
+    except (Exception, SystemExit) as error:
+        raise FloeError(f"{path}: meshio cannot read it ({type(error).__name__})") from None
+    parts = []
+    for block in mesh.cells:
+        if block.dim != 2:
+            continue
+        corners = np.asarray(block.data, dtype=np.int64)
+        if block.type not in ("triangle", "quad", "polygon") or corners.shape[1] > 4:
+            raise FloeError(f"{path}: has faces of kind '{block.type}', not triangle or quad")
+        short = np.full((len(corners), 4 - corners.shape[1]), -1)
+        parts.append(np.concatenate([corners, short], axis=1))
+    if not parts:
+        raise FloeError(f"{path}: has no triangles or quadrilaterals")
+    x, y = (np.asarray(mesh.points[:, axis], dtype=np.float64) for axis in (0, 1))
+    return x, y, np.concatenate(parts)
+
+
+def read_triangles(path: Path) -> tuple[Array, Index]:
+    """Read a triangle mesh (STL, or another format that meshio knows by its name).
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    tuple of ndarray
+        Corners (m), (n, 3), and the rows of each triangle's corners, (m, 3).
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be read, has no triangles or other cells, or is not finite.
+    """
+    try:
+        path.open("rb").close()
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            mesh = meshio.read(path)
+        cells = {block.type for block in mesh.cells}
+        points = np.asarray(mesh.points, dtype=float).reshape(-1, 3)
+        triangles = np.asarray(mesh.get_cells_type("triangle"), dtype=np.int64).reshape(-1, 3)
+    except OSError as error:
+        raise FloeError(f"{path}: the mesh cannot be read: {error.strerror}") from None
+    except (Exception, SystemExit):  # meshio ends the process where it knows no format
+        raise FloeError(f"{path}: is no triangle mesh that can be read") from None
+    other = cells - {"triangle"}
+    if len(triangles) == 0 or other:
+        found = ", ".join(sorted(other)) or "nothing"
+        raise FloeError(f"{path}: a wall is a mesh of triangles and nothing else; found {found}")
+    if not np.isfinite(points).all():
+        raise FloeError(f"{path}: a corner of the mesh is not finite")
+    return points, triangles
 
 
 def write_series(path: Path, files: Sequence[str], times: Sequence[float]) -> None:

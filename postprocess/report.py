@@ -40,22 +40,25 @@ class Material:
     first_state, last_state : xarray.Dataset
         States at start and end.
     first_grid, last_grid : xarray.Dataset
-        Gridded output at start and end.
+        Gridded output at start and end; None without the effect grid_output.
     mask, packing : xarray.Dataset
         As their contracts say.
     benchmarks : sequence of Path
         Snakemake's benchmark files.
+    estimates : mapping
+        ``effects.json``: what each effect was expected to change and cost.
     """
 
     diagnostics: xr.Dataset
     numbers: Mapping[str, Any]
     first_state: xr.Dataset
     last_state: xr.Dataset
-    first_grid: xr.Dataset
-    last_grid: xr.Dataset
+    first_grid: xr.Dataset | None
+    last_grid: xr.Dataset | None
     mask: xr.Dataset
     packing: xr.Dataset
     benchmarks: Sequence[Path]
+    estimates: Mapping[str, Any]
 
 
 def build_report(scene: Scene, material: Material, figures: Path) -> str:
@@ -97,12 +100,15 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
             "keys": keys,
             "effects": there,
             "absent": absent,
+            "estimates": material.estimates,
             "element_maps": list(
                 gallery.element_pictures(easel, scene, frame, first, last, material.packing)
             ),
             "grid_maps": list(
                 gallery.grid_pictures(easel, scene, frame, material.first_grid, material.last_grid)
-            ),
+            )
+            if material.first_grid is not None and material.last_grid is not None
+            else [],
             "series": list(gallery.series_pictures(easel, scene, material.diagnostics)),
             "budgets": budgets,
             "budget_bars": list(gallery.budget_pictures(easel, budgets)),
@@ -159,16 +165,18 @@ def main(snakemake: stage.Snakemake) -> None:
     """Rule ``report``."""
     scene = stage.scene(snakemake)
     given = snakemake.input
+    grids = [read_grid(Path(path)) for path in (*given.grids[:1], *given.grids[-1:])]
     material = Material(
         diagnostics=read_dataset(given.diagnostics),
         numbers=read_numbers(Path(given.headline)),
         first_state=read_state(given.first_state),
         last_state=read_state(given.last_state),
-        first_grid=read_grid(Path(given.first_grid)),
-        last_grid=read_grid(Path(given.last_grid)),
+        first_grid=grids[0] if grids else None,
+        last_grid=grids[-1] if grids else None,
         mask=read_dataset(given.mask),
         packing=read_dataset(given.packing),
         benchmarks=[Path(path) for path in given.benchmarks],
+        estimates=json.loads(Path(given.estimates).read_text(encoding="utf-8")),
     )
     page = build_report(scene, material, Path(snakemake.output.figures))
     write_text(page, Path(snakemake.output.report))

@@ -10,6 +10,7 @@ from floeflow import stage
 from floeflow.column.params import ColumnParams
 from floeflow.config import stage_hash
 from floeflow.config.blocks import Scene
+from floeflow.preprocess.walls import wall_variables
 from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
 from floeflow.state.schema import VARIABLES, expected_variables
 
@@ -47,8 +48,10 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
         "snow_volume": scene.mask.snow_thickness * fraction,
         "surface_temperature": np.full_like(fraction, freezing),
     }
+    made |= wall_variables(scene, packing) if "walls" in scene.effects else {}
     sizes = {"element": packing.sizes["element"], "category": packing.sizes["category"]}
     sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}
+    sizes["wall_contact"] = len(made.get("wall_contact_id", ()))
     data = {}
     for name in expected_variables(scene.effects):
         rule = VARIABLES[name]

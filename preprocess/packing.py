@@ -152,7 +152,9 @@ def tessellate(mask: xr.Dataset, places: Array, radius: Array) -> Elements:
     )
 
 
-def make_packing(mask: xr.Dataset, packing: Packing, seed: int) -> xr.Dataset:
+def make_packing(
+    mask: xr.Dataset, packing: Packing, seed: int, coast_effect: bool = True
+) -> xr.Dataset:
     """Elements of a scene.
 
     Parameters
@@ -163,6 +165,8 @@ def make_packing(mask: xr.Dataset, packing: Packing, seed: int) -> xr.Dataset:
         The scene's block.
     seed : int
         The scene's seed.
+    coast_effect : bool
+        Whether to line the land with fixed elements.
 
     Returns
     -------
@@ -180,7 +184,7 @@ def make_packing(mask: xr.Dataset, packing: Packing, seed: int) -> xr.Dataset:
         return _dataset(mask, np.empty((0, 2)), none, elements)
     mean_radius = grid.spacing * float(np.sqrt(ice.sum() / packing.elements / np.pi))
     coast, side = np.empty((0, 2)), 0.0
-    if packing.coast:
+    if coast_effect:
         coast, side = discs.coast_points(grid, ice, land, mean_radius)
         coast = ordered(grid, coast)
     places, cells = place(grid, ice, packing, seed, coast, 0.5 * side)
@@ -255,7 +259,8 @@ def main(snakemake: stage.Snakemake) -> None:
     """Rule ``packing``."""
     scene = stage.scene(snakemake)
     mask = read_dataset(snakemake.input.mask)
-    write_dataset(make_packing(mask, scene.packing, scene.seed), snakemake.output.packing)
+    made = make_packing(mask, scene.packing, scene.seed, "coast" in scene.effects)
+    write_dataset(made, snakemake.output.packing)
 
 
 if "snakemake" in globals():

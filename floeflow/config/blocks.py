@@ -10,9 +10,26 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    StringConstraints,
+    WithJsonSchema,
+)
+
+from floeflow.effects import EFFECTS
 
 PlainName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}$")]
+
+
+EffectNames = Annotated[
+    tuple[str, ...],
+    WithJsonSchema(
+        {"anyOf": [{"const": "auto"}, {"type": "array", "items": {"enum": list(EFFECTS)}}]}
+    ),
+]
 
 
 def key(default: Any, text: str, unit: str = "", **bounds: Any) -> Any:
@@ -89,7 +106,6 @@ class Packing(Block):
 
     elements: int = key(5000, "Number of elements to aim at.", ge=1, le=2_000_000)
     relaxations: int = key(20, "Lloyd relaxations of the first points.", ge=0, le=1000)
-    coast: bool = key(True, "Fixed elements along the coast keep the ice off the land.")
     bond_gap: float = key(
         0.2,
         "Neighbours bond where the gap of their discs is under this share of their radii's sum.",
@@ -99,6 +115,9 @@ class Packing(Block):
     )
     bond_concentration: float = key(
         0.8, "Elements with less ice than this are floes apart: no bonds.", "1", ge=0, le=1
+    )
+    coast_bonds: bool = key(
+        False, "Fast ice: elements beside the coast are frozen to it, and refreeze to it."
     )
 
 
@@ -160,7 +179,7 @@ class Time(Block):
 class Dynamics(Block):
     """The discrete element model."""
 
-    step_share: float = key(0.4, "Time step as a share of the critical one.", "1", gt=0, le=1)
+    step_share: float = key(0.65, "Time step as a share of the critical one.", "1", gt=0, le=1)
     young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", gt=0)
     poisson_ratio: float = key(0.3, "Poisson's ratio of the ice.", "1", ge=0, lt=0.5)
     contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", gt=0)
@@ -198,8 +217,8 @@ class Dynamics(Block):
     air_drag: float = key(1.2e-3, "Drag coefficient of the air.", "1", ge=0, le=0.1)
     ocean_drag: float = key(5.5e-3, "Drag coefficient of the ocean.", "1", ge=0, le=0.1)
     turning_angle: float = key(
-        0.0,
-        "Turning angle of the ocean drag (left of the current's in the north).",
+        25.0,
+        "Turning angle of the ocean drag, to the left of the current (read with turning_angle).",
         "degree",
         ge=-90,
         le=90,
@@ -209,6 +228,39 @@ class Dynamics(Block):
         1.0e-3, "Elements with less ice than this move as if they had this much.", "m", gt=0, le=0.1
     )
     samples: int = key(24, "Samples of the time series in a window.", ge=1, le=10_000)
+
+
+Velocity = tuple[float, float]
+
+
+class Walls(Block):
+    """Walls that hold the ice in (read with the effect walls). They move from time 0 on."""
+
+    rim: tuple[Literal["left", "right", "bottom", "top"], ...] = key(
+        ("left", "right", "bottom", "top"), "Sides of the scene's rectangle that are walls."
+    )
+    left_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    right_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    bottom_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    top_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    planes: tuple[tuple[float, float, float, float, float, float], ...] = key(
+        (),
+        "Further endless walls, each as [x, y, normal_x, normal_y, u, v]: a point, the side of the "
+        "ice, a velocity.",
+        "m, 1, m/s",
+    )
+    mesh: str = key(
+        "",
+        "Triangle mesh (STL) that stands in the ice as a wall, path from the project's folder; its "
+        "z = 0 is the plane of the ice.",
+    )
+    mesh_velocity: Velocity = key((0.0, 0.0), "Velocity of the mesh in x and y.", "m/s")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each wall, in their order."""
+        planes = (f"plane_{number}" for number in range(1, len(self.planes) + 1))
+        return (*self.rim, *planes, *(("mesh",) if self.mesh else ()))
 
 
 class Column(Block):
@@ -247,9 +299,19 @@ class Scene(Block):
     """A scene: where, when, which ice, which forcing, which effects, how accurate."""
 
     name: PlainName = key(..., "Plain name of the scene, also its folder under results/.")
-    effects: tuple[str, ...] = key(
-        ("wind", "ocean_drag", "coriolis", "tilt", "friction", "bonds", "thermodynamics"),
-        "Effects to simulate; what is not named is absent.",
+    effects: EffectNames = key(
+        (
+            "wind",
+            "ocean_drag",
+            "coriolis",
+            "tilt",
+            "friction",
+            "bonds",
+            "coast",
+            "thermodynamics",
+            "grid_output",
+        ),
+        "Effects to simulate; what is not named is absent. Or `auto`: see docs/effects.md.",
     )
     seed: int = key(1981, "Seed of everything random.", ge=0, lt=2**32)
     domain: Domain = key(Domain(), "Where.")
@@ -258,6 +320,13 @@ class Scene(Block):
     forcing: Forcing = key(Forcing(), "Which forcing.")
     time: Time = key(Time(), "When.")
     dynamics: Dynamics = key(Dynamics(), "Which mechanics.")
+    walls: Walls = key(Walls(), "Which walls.")
     column: Column = key(Column(), "Which thermodynamics.")
     report: Report = key(Report(), "Which report.")
     workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")
+    _auto: bool = PrivateAttr(default=False)
+
+    @property
+    def auto(self) -> bool:
+        """Whether the effects were chosen by ``effects: auto``."""
+        return self._auto

@@ -24,12 +24,21 @@ def check_combinations(scene: Scene) -> None:
     """
     _check_domain(scene)
     _check_times(scene)
+    if "walls" in scene.effects and not scene.walls.names:
+        raise FloeError("effects: 'walls' is named but walls.rim, planes and mesh name none")
+    if len(set(scene.walls.rim)) < len(scene.walls.rim):
+        raise FloeError("walls.rim names a side twice")
     if scene.forcing.source == "file" and not scene.forcing.file:
         raise FloeError("forcing.source is 'file' but forcing.file names none")
     if scene.forcing.source == "analytic" and scene.forcing.file:
         raise FloeError("forcing.file is given but forcing.source is 'analytic'")
+    angle = type(scene.dynamics).model_fields["turning_angle"].default
+    if scene.dynamics.turning_angle != angle and "turning_angle" not in scene.effects:
+        raise FloeError("dynamics.turning_angle is given but effects does not name turning_angle")
     if scene.mask.land == "mask" and not scene.mask.file:
         raise FloeError("mask.land is 'mask' but mask.file names none")
+    if scene.packing.coast_bonds and not {"bonds", "coast"} <= set(scene.effects):
+        raise FloeError("packing.coast_bonds needs the effects 'bonds' and 'coast'")
 
 
 def _check_domain(scene: Scene) -> None:

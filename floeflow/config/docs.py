@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from floeflow.config.blocks import Scene
 from floeflow.effects import EFFECTS
+from floeflow.estimate.numbers import meaning
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -106,8 +107,7 @@ def _yaml_value(default: Any) -> str:
 def readme() -> str:
     """Text of ``config/README.md``."""
     lines = [_README_HEAD.format(example=_EXAMPLE)]
-    lines += ["## Effects", "", "| name | physics | source |", "|---|---|---|"]
-    lines += [f"| `{e.name}` | {e.physics} | {e.source} |" for e in EFFECTS.values()]
+    lines += ["Effects: see [docs/effects.md](../docs/effects.md)."]
     block = None
     for key in keys():
         head = key.path.rpartition(".")[0]
@@ -120,6 +120,58 @@ def readme() -> str:
         name = key.path.rpartition(".")[2]
         lines.append(f"| `{name}` | {default} | {key.unit} | {key.allowed} | {key.text} |")
     return "\n".join(lines) + "\n"
+
+
+_EFFECTS_HEAD = """# Effects
+
+A scene names its effects; what it does not name is absent: no rule in the workflow, no switch in
+the plugin, no variable in the state, no figure in the report.
+
+    python -m floeflow.effects config/scenes/mine.yaml
+
+estimates from the scene alone how far each effect would move the results and what share of the run
+time it would cost, and recommends. `effects: auto` in a scene takes the recommendation. Every run
+writes the estimates to `results/<scene>/effects.json` and into its report.
+[How the estimates are made](estimates.md).
+
+This page is generated from `floeflow/effects.py` and `floeflow/estimate/numbers.py` by
+`python -m floeflow.config --write`.
+
+| effect | what it is | needs | when it matters: number near 1 or above |
+|---|---|---|---|
+"""
+
+
+def effects_page() -> str:
+    """Text of ``docs/effects.md``."""
+    lines = []
+    for e in EFFECTS.values():
+        needs = ", ".join(f"`{need}`" for need in e.needs)
+        matters = meaning(e.name).replace("|", "\\|")
+        lines.append(f"| `{e.name}` | {e.physics} ({e.source}) | {needs} | {matters} |")
+    lines += ["", "What each adds, and what a scene without it does not have:", ""]
+    lines += ["| effect | " + " | ".join(_ADDED) + " |", "|---" * (len(_ADDED) + 1) + "|"]
+    for e in EFFECTS.values():
+        cells = [", ".join(_short(getattr(e, field))) for field in _ADDED.values()]
+        lines.append(f"| `{e.name}` | " + " | ".join(cells) + " |")
+    return _EFFECTS_HEAD + "\n".join(lines) + "\n"
+
+
+_ADDED = {
+    "rules": "rules",
+    "plugin switches": "plugin",
+    "column processes": "column",
+    "forcing": "forcing",
+    "state": "state",
+    "gridded output": "output",
+    "series": "diagnostics",
+    "figures": "figures",
+}
+
+
+def _short(names: tuple[str, ...], most: int = 9) -> list[str]:
+    shown = [f"`{name}`" for name in names[:most]]
+    return [*shown, f"{len(names) - most} more"] if len(names) > most else shown
 
 
 def default_yaml() -> str:
@@ -159,6 +211,7 @@ def documents() -> dict[Path, str]:
     """Every generated file with its text."""
     return {
         PROJECT / "config/README.md": readme(),
+        PROJECT / "docs/effects.md": effects_page(),
         PROJECT / "config/default.yaml": default_yaml(),
         PROJECT / "workflows/schemas/scene.schema.json": json_schema(),
     }

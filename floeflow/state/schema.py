@@ -88,6 +88,18 @@ def _contact(units: str, text: str, low: float = -np.inf) -> Variable:
     return Variable(("contact",), "float64", units, text, low)
 
 
+def _face(units: str, text: str) -> Variable:
+    return Variable(("wall_face",), "float64", units, text)
+
+
+def _face_number(text: str, low: float, high: float = np.inf) -> Variable:
+    return Variable(("wall_face",), "int64", "1", text, low, high)
+
+
+def _wall_contact(units: str, text: str, low: float = -np.inf) -> Variable:
+    return Variable(("wall_contact",), "float64", units, text, low)
+
+
 VARIABLES: dict[str, Variable] = {
     "id": Variable(("element",), "int64", "1", "identity of the element, from 1", 1),
     "type": Variable(("element",), "int8", "1", "1 mobile ice, 2 fixed coast", 1, 2),
@@ -136,6 +148,23 @@ VARIABLES: dict[str, Variable] = {
     "contact_ridge_closing": _contact("m", "plastic closing since the pair touched", 0),
     "contact_ridge_thickness": _contact("m", "thickness of the ice in the contact", 0),
     "contact_ridge_length": _contact("m", "contact length", 0),
+    "wall_face_wall": _face_number("number of the wall to which the face belongs", 0),
+    "wall_face_plane": _face_number("1 endless, with ice to the left of a to b; 0 a line", 0, 1),
+    "wall_face_before": _face_number("face that it meets at end a, -1 none", -1),
+    "wall_face_after": _face_number("face that it meets at end b, -1 none", -1),
+    "wall_face_ax": _face("m", "end a at time 0"),
+    "wall_face_ay": _face("m", "end a at time 0"),
+    "wall_face_bx": _face("m", "end b at time 0"),
+    "wall_face_by": _face("m", "end b at time 0"),
+    "wall_face_u": _face("m s-1", "velocity of the face along x"),
+    "wall_face_v": _face("m s-1", "velocity of the face along y"),
+    "wall_contact_id": Variable(("wall_contact",), "int64", "1", "the element", 1),
+    "wall_contact_face": Variable(("wall_contact",), "int64", "1", "number of the face", 0),
+    "wall_contact_slip": _wall_contact("m", "elastic tangential displacement at the wall"),
+    "wall_contact_rest_overlap": _wall_contact("m", "overlap with the wall that makes no force"),
+    "wall_contact_ridge_closing": _wall_contact("m", "plastic closing at the wall", 0),
+    "wall_contact_ridge_thickness": _wall_contact("m", "thickness of the ice at the wall", 0),
+    "wall_contact_ridge_length": _wall_contact("m", "contact length at the wall", 0),
 }
 
 # Attributes that every state carries, with their types.
@@ -153,7 +182,7 @@ ATTRIBUTES: dict[str, type] = {
     "provenance": str,
 }
 
-_EFFECT_VARIABLES = {name for effect in EFFECTS.values() for name in effect.state}
+_EFFECT_VARIABLES = set(state_variables(EFFECTS))
 
 
 def expected_variables(effects: tuple[str, ...]) -> tuple[str, ...]:
@@ -231,3 +260,16 @@ def _check_order(state: xr.Dataset) -> None:
         step_lo, step_hi = np.diff(lo), np.diff(hi)
         if np.any((step_lo < 0) | ((step_lo == 0) & (step_hi <= 0))):
             raise FloeError(f"the {kind}s are not sorted, or one stands twice")
+    if "wall_contact_id" in state:
+        _check_wall_contacts(state, ids)
+
+
+def _check_wall_contacts(state: xr.Dataset, ids: np.ndarray) -> None:
+    held, face = state["wall_contact_id"].values, state["wall_contact_face"].values
+    if not np.isin(held, ids).all():
+        raise FloeError("a wall_contact names an element that does not exist")
+    if (face >= state.sizes["wall_face"]).any():
+        raise FloeError("a wall_contact names a face that does not exist")
+    step, step_face = np.diff(held), np.diff(face)
+    if np.any((step < 0) | ((step == 0) & (step_face <= 0))):
+        raise FloeError("the wall_contacts are not sorted, or one stands twice")

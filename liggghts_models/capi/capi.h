@@ -33,6 +33,18 @@ void floe_count_pairs(void *instance, long long *bonds, long long *contacts);  /
 void floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
                     double *contact);  // local
 
+// Walls (after the command "fix ID all floe/walls"). Faces: integers wall plane before after, columns ax ay
+// bx by (m, at time 0) u v (m/s); see laws/wall.h. Contacts: ids element face, columns slip rest_overlap
+// and closing, thickness and length of the ridge. Impulses (N s) and forces (N) on the ice: x y of each
+// wall.
+int floe_set_walls(void *instance, long long walls, long long n, const long long *integers,
+                   const double *columns);
+int floe_put_wall_contacts(void *instance, long long n, const long long *ids,
+                           const double *columns);
+long long floe_count_wall_contacts(void *instance);                            // local
+void floe_get_wall_contacts(void *instance, long long *ids, double *columns);  // local
+void floe_wall_forces(void *instance, double *impulses, double *forces);       // local
+
 // Forcing on a regular grid, copied. velocity: [time][y][x][wind_u wind_v ocean_u ocean_v].
 int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
                      double x0, double dx, double y0, double dy, const double *velocity,

@@ -11,6 +11,7 @@
 #include "capi.h"
 #include "error.h"
 #include "fix_floe_integrate.h"
+#include "fix_floe_walls.h"
 #include "input.h"
 #include "lammps.h"
 #include "liggghts_error.h"
@@ -107,16 +108,19 @@ const char *floe_sum_names(void) {
   static const std::string names =
       std::string(floe::ledger_names()) +
       " elastic_bond elastic_contact bonds contacts max_overlap"
-      " kinetic rotational kinetic_now rotational_now momentum_x momentum_y elements";
+      " kinetic rotational kinetic_now rotational_now momentum_x momentum_y elements"
+      " elastic_wall work_wall wall_contacts";
   return names.c_str();
 }
 
 int floe_sums(void *instance, double *out, int size) {
   return floe::guarded([&] {
     const floe::Parts parts = floe::find_parts(lmp_of(instance));
-    const floe::PairSums pairs = parts.floe->sums(parts.pair);
+    floe::PairSums pairs = parts.floe->sums(parts.pair);
     const KineticSums moving = kinetic_sums(lmp_of(instance));
-    // Three structures of doubles and nothing else, in the order of the names.
+    FixFloeWalls::Sums walls;
+    if (parts.walls) walls = parts.walls->sums(pairs.max_overlap);
+    // Four structures of doubles and nothing else, in the order of the names.
     std::vector<double> all;
     const auto append = [&all](const auto &part) {
       static_assert(sizeof(part) % sizeof(double) == 0, "sums are doubles");
@@ -127,6 +131,7 @@ int floe_sums(void *instance, double *out, int size) {
     append(parts.fix->ledger);
     append(pairs);
     append(moving);
+    append(walls);
     if (static_cast<int>(all.size()) != size) throw floe::LiggghtsError("floe_sums: wrong size");
     std::memcpy(out, all.data(), all.size() * sizeof(double));
   });

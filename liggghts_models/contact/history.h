@@ -57,6 +57,12 @@ inline Ridge ridge_at(const double *h) {
   return {h[slot::ridge_closing], h[slot::ridge_thickness], h[slot::ridge_length]};
 }
 
+inline void put_ridge(const Ridge &r, double *h) {
+  h[slot::ridge_closing] = r.closing;
+  h[slot::ridge_thickness] = r.thickness;
+  h[slot::ridge_length] = r.length;
+}
+
 inline bool is_bond(int flag, const double *h) { return flag && h[slot::span] != 0.0; }
 
 }  // namespace floe

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "wall_floe.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "atom.h"
 #include "error.h"
 #include "fix_floe_integrate.h"
@@ -12,6 +9,7 @@
 #include "pair_floe.h"
 #include "plugin.h"
 #include "update.h"
+#include "wall_law.h"
 
 using namespace LAMMPS_NS;
 
@@ -54,48 +52,6 @@ int WallFloe::get_history_offset(std::string name) {
   return -1;
 }
 
-template <bool Friction, bool Ridging>
-ContactForce WallFloe::force(int i, const ContactPose &pose, double *h, bool advance) {
-  // The wall does not give: all the spring is the element's ice, all the mass its own.
-  const double thickness = fix_->thickness[i], stiffness = laws_->contact.young * thickness;
-  const ContactConstants constants{
-      stiffness, 2.0 * laws_->contact.damping * std::sqrt(stiffness * atom->rmass[i])};
-  const double step = advance ? update->dt : 0.0;
-  double rest = h[slot::rest_overlap], slip = h[slot::slip], limit = 0.0;
-  double overlap =
-      Ridging ? (pose.radius_one - pose.distance) - rest : effective_overlap(pose, rest);
-  if (advance) h[slot::rest_overlap] = rest;
-  if (!(overlap > 0.0) && !std::isnan(overlap)) {
-    if (advance) h[slot::slip] = 0.0;
-    return {};
-  }
-  if constexpr (Ridging) {
-    if (h[slot::ridge_length] == 0.0) {
-      h[slot::ridge_thickness] = thickness;
-      h[slot::ridge_length] = 2.0 * edge_share * pose.radius_one;
-    }
-    Ridge now = ridge_at(h);
-    const double closed =
-        advance ? laws_->close_ridge(stiffness, pose.radius_one - rest, overlap, now) : 0.0;
-    if (closed > 0.0) {
-      h[slot::rest_overlap] = rest + closed;
-      h[slot::ridge_closing] = now.closing;
-      h[slot::ridge_thickness] = now.thickness;
-      overlap = (pose.radius_one - pose.distance) - h[slot::rest_overlap];
-      fix_->ledger.dissipation_ridging += stiffness * overlap * closed;
-      fix_->ridged_area[i] += now.length * closed;
-    }
-    limit = laws_->ridging_limit(now);
-  }
-  ContactLoss loss;
-  const ContactForce out = contact_force<Friction, Ridging>(laws_->contact, constants, pose,
-                                                            overlap, step, slip, loss, limit);
-  if (advance) h[slot::slip] = slip;
-  fix_->ledger.dissipation_contact += loss.damping * step;
-  fix_->ledger.dissipation_friction += loss.friction;
-  return out;
-}
-
 void WallFloe::compute_force(FixWallGran *wall,
                              LIGGGHTS::ContactModels::SurfacesIntersectData &touch, bool intersects,
                              double *velocity, FixMeshSurface *, int, TriMesh *, int) {
@@ -115,13 +71,14 @@ void WallFloe::compute_force(FixWallGran *wall,
   const ContactPose pose{
       {-touch.delta[0], -touch.delta[1]},       distance,          touch.radi, 0.0,
       {velocity[0] - v[0], velocity[1] - v[1]}, atom->omega[i][2], 0.0};
-  ContactForce f;
-  if (laws_->friction) {
-    f = laws_->ridging ? force<true, true>(i, pose, h, advance)
-                       : force<true, false>(i, pose, h, advance);
-  } else {
-    f = laws_->ridging ? force<false, true>(i, pose, h, advance)
-                       : force<false, false>(i, pose, h, advance);
+  WallHistory past{h[slot::slip], h[slot::rest_overlap], {}};
+  if (laws_->ridging) past.ridge = ridge_at(h);
+  const ContactForce f =
+      WallLaw{laws_, fix_}.force(i, atom->rmass[i], pose, advance ? update->dt : 0.0, past);
+  if (advance) {
+    h[slot::slip] = past.slip;
+    h[slot::rest_overlap] = past.rest_overlap;
+    if (laws_->ridging) put_ridge(past.ridge, h);
   }
   if (advance) {
     fix_->ledger.impulse_wall_x += f.f.x * update->dt;

@@ -8,7 +8,6 @@
 
 #include <string>
 
-#include "contact.h"
 #include "granular_wall.h"
 #include "pointers.h"
 
@@ -37,8 +36,6 @@ class WallFloe : public LIGGGHTS::Walls::IGranularWall, private LAMMPS_NS::Point
   }
 
  private:
-  template <bool Friction, bool Ridging>
-  ContactForce force(int i, const ContactPose &pose, double *history, bool advance);
   const PairFloe *laws_ = nullptr;
   LAMMPS_NS::FixFloeIntegrate *fix_ = nullptr;
 };

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import cycle
 
 import numpy as np
 import xarray as xr
@@ -23,6 +24,11 @@ ENERGY_UNITS = (
     (1e6, "MJ"),
     (1e3, "kJ"),
     (1.0, "J"),
+)
+FORCE_UNITS = ((1e12, "TN"), (1e9, "GN"), (1e6, "MN"), (1e3, "kN"), (1.0, "N"))
+# Four sides in four colours; what comes after them starts anew with other dashes.
+WALL_STYLES = tuple(
+    (colour, dash) for dash in ("-", ":") for colour in (BLUE, VERMILION, GREEN, FAINT)
 )
 
 
@@ -133,9 +139,23 @@ def series_figures(
             "Bonds that hold.",
             _figure(axis, "Intact bonds (1)", [(now, data["intact_bonds"].values, "", GREEN, "-")]),
         )
+    if "walls" in effects:
+        yield _walls(data, axis, now)
 
 
 Line = tuple[np.ndarray, np.ndarray, str, str, str]
+
+
+def _walls(data: xr.Dataset, axis: str, now: np.ndarray) -> tuple[str, str, Figure]:
+    names = dict.fromkeys(str(name)[:-2] for name in data if str(name).startswith("wall_force_"))
+    push = [np.hypot(data[f"{name}_x"].values, data[f"{name}_y"].values) for name in names]
+    scale, unit = pick_unit(FORCE_UNITS, *push)
+    lines = [
+        (now, force / scale, name.removeprefix("wall_force_"), colour, dash)
+        for name, force, (colour, dash) in zip(names, push, cycle(WALL_STYLES), strict=False)
+    ]
+    text = "Force of the ice on each wall, its mean between two samples."
+    return "series_walls", text, _figure(axis, f"Force on the wall ({unit})", lines)
 
 
 def _figure(x_label: str, y_label: str, lines: list[Line]) -> Figure:

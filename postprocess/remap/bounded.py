@@ -3,7 +3,7 @@
 
 An accurate transfer need not conserve, and a conservative one need not stay within the values of
 its sources. Both are put right afterwards at the least cost (optimization-based remap; Turner,
-Peterson and Bolintineanu, GMD 15, 2022; Bochev, Ridzal and Peterson, J. Comput. Phys. 246, 2013):
+Peterson and Bolintineanu, GMD 15, 2022; Bochev, Ridzal and Peterson, J. Comput. Phys. 257, 2014):
 
     minimize sum q (x - target)^2  with  sum w x = total  and  low <= x <= high.
 
@@ -152,9 +152,33 @@ def nearest_bounded(
     values = at(best)
     for outside, bound in ((totals <= least, low), (totals >= most, high)):
         values = np.where(outside[member] & held, bound, values)
+    values = _spread(values, low, high, weight, totals, member, add)
     shift = np.select([inside, totals <= least], [best, -np.inf], np.inf)
     missing = totals - add(weight * values)
     return Bounded(values, shift, missing, np.abs(missing) <= 1e3 * tolerance)
+
+
+def _spread(
+    values: Array,
+    low: Array,
+    high: Array,
+    weight: Array,
+    totals: Array,
+    member: Index,
+    add: Callable[[Array], Array],
+) -> Array:
+    """Spread what round-off of the shift still misses, in proportion to the room for it.
+
+    A target that lies far outside of narrow bounds leaves the shift too coarse for them.
+    """
+    miss = totals - add(weight * values)
+    up, down = high - values, low - values
+    room = np.where(miss[member] > 0.0, up, down)
+    all_room = add(weight * room)
+    part = np.divide(miss, all_room, out=np.zeros_like(miss), where=all_room != 0.0)
+    moved = values + np.clip(part, 0.0, 1.0)[member] * room
+    better = np.abs(totals - add(weight * moved)) < np.abs(miss)
+    return np.where(better[member], np.minimum(np.maximum(moved, low), high), values)
 
 
 def _adder(group: Index | None, size: int, groups: int, ranks: Ranks) -> Callable[[Array], Array]:

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a field is, so that nobody sums what should be averaged.
+"""What a field is, so that nobody sums what should be averaged; and how fields go to a grid.
 
-An intensive field is a property of its parent: thickness of ice area, velocity of ice mass. It is
-averaged with the parent's amount as weight. An extensive field is an amount and is added up.
+An intensive field is a property of its parent: thickness of ice area, temperature of ice volume.
+It is averaged with the parent's amount as weight. An extensive field is an amount and is added up:
+either dealt out as it is, or, if it sits on a parent (ice volume on ice area), carried as the
+property "amount per amount of the parent".
 """
 
 from __future__ import annotations
@@ -11,10 +13,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from floeflow.errors import FloeError
-from floeflow.postprocess.remap.bins import Bins
-from floeflow.postprocess.remap.grid import Array
-from floeflow.postprocess.remap.weights import Weights
+from floeflow.postprocess.remap.bins import Bins, Room, build_bins
+from floeflow.postprocess.remap.bounded import Ranks
+from floeflow.postprocess.remap.stencil import Array
+from floeflow.postprocess.remap.weights import CONDITION_LIMIT, Weights, build_weights
+
+# Parent of an area that fills the sea of the cells: at most all of it.
+ROOM = "room"
 
 
 @dataclass(frozen=True)
@@ -28,13 +36,22 @@ class Field:
     kind : str
         ``intensive`` or ``extensive``.
     parent : str
-        What an intensive field is a property of: a key of `Remapper.weights`. Empty for an
-        extensive one.
+        What it is a property of or sits on: the name of an extensive field. `ROOM` for an
+        extensive area that fills the cells' sea; empty for an amount that sits on nothing.
+
+    Raises
+    ------
+    FloeError
+        For an intensive field without a parent.
     """
 
     name: str
     kind: Literal["intensive", "extensive"]
     parent: str = ""
+
+    def __post_init__(self) -> None:
+        if self.kind == "intensive" and self.parent in ("", ROOM):
+            raise FloeError(f"remap: '{self.name}' is intensive, but of which parent is not said")
 
 
 @dataclass(frozen=True)
@@ -53,8 +70,51 @@ class Remapper:
     bins: Bins
 
 
+def build_remapper(
+    x: Array,
+    y: Array,
+    parents: Mapping[str, Array],
+    room: Room,
+    *,
+    radius: Array | None = None,
+    condition_limit: float = CONDITION_LIMIT,
+    fill: float = 0.0,
+    ranks: Ranks | None = None,
+) -> Remapper:
+    """Build weights and bins from one search for the pairs.
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Element centres (m), (n,); a slice of the elements on ranks.
+    parents : mapping
+        Amounts by name, (n,), that fields are averaged over.
+    room : Room
+        The grid and the sea in its cells.
+    radius : ndarray, optional
+        As `build_bins` takes it.
+    condition_limit, fill, ranks
+        As `build_weights` takes them.
+    """
+    pairs = room.target.pairs(x, y, room.reach)
+    weights = {
+        name: build_weights(
+            *(x, y, amount, room.target),
+            reach=room.reach,
+            condition_limit=condition_limit,
+            fill=fill,
+            pairs=pairs,
+            ranks=ranks,
+        )
+        for name, amount in parents.items()
+    }
+    return Remapper(weights, build_bins(x, y, room, radius, pairs))
+
+
 def remap(field: Field, values: Array, remapper: Remapper, bounded: bool = True) -> Array:
-    """Bring a field of the elements, (n,), to the grid, (ny, nx), in the way its kind asks for.
+    """Bring one field of the elements, (n,), to the grid in the way its kind asks for.
+
+    Averages are accurate, but do not conserve: `floeflow.postprocess.remap.carry` does both.
 
     Parameters
     ----------
@@ -77,12 +137,44 @@ def remap(field: Field, values: Array, remapper: Remapper, bounded: bool = True)
     FloeError
         For a parent without weights.
     """
-    if field.kind == "extensive":
-        return remapper.bins.total(values)
+    try:
+        if field.kind == "extensive":
+            return remapper.bins.total(values)
+        return parent_weights(field, remapper).apply(values, bounded)
+    except FloeError as error:
+        raise FloeError(f"{field.name}: {error}") from None
+
+
+def parent_weights(field: Field, remapper: Remapper) -> Weights:
+    """Weights of a field's parent.
+
+    Raises
+    ------
+    FloeError
+        Where there are none.
+    """
     if field.parent not in remapper.weights:
         known = ", ".join(remapper.weights) or "none"
         raise FloeError(
             f"remap: '{field.name}' is averaged over '{field.parent}', for which there are no "
             f"weights; there are: {known}"
         )
-    return remapper.weights[field.parent].apply(values, bounded)
+    return remapper.weights[field.parent]
+
+
+def ratio(field: Field, amount: Array, parent: Array) -> Array:
+    """Amount per amount of the parent in each element, (n,); NaN where there is no parent.
+
+    Raises
+    ------
+    FloeError
+        For an element that has some of the field and nothing that it sits on.
+    """
+    bare = (parent <= 0.0) & (amount != 0.0)
+    if bare.any():
+        e = int(np.argmax(bare))
+        raise FloeError(
+            f"remap: element {e} has {amount[e]:g} of '{field.name}', but no '{field.parent}' "
+            "that it could sit on"
+        )
+    return np.divide(amount, parent, out=np.full_like(amount, np.nan), where=parent > 0.0)

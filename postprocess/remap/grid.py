@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floeflow.errors import FloeError
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-
-# An element this near to the rim of a hat counts as out of reach: its share of a node is nothing,
-# but alone in a hat it would still decide what the node gets.
-LEAST_HAT = 1e-12
+from floeflow.postprocess.remap.stencil import (
+    Array,
+    Index,
+    Stencil,
+    check_places,
+    lattice_pairs,
+    sort_by_cell,
+)
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class Grid:
     ----------
     x, y : ndarray
         Nodes (cell centres) along each axis (m), ascending, evenly spaced, two or more.
+    crs : str
+        Projection of the axes; empty where not said.
 
     Raises
     ------
@@ -40,6 +43,7 @@ class Grid:
 
     x: Array
     y: Array
+    crs: str = ""
 
     def __post_init__(self) -> None:
         for name, axis in (("x", self.x), ("y", self.y)):
@@ -47,7 +51,11 @@ class Grid:
             if axis.ndim != 1 or len(axis) < 2 or not np.isfinite(axis).all():
                 raise FloeError(f"grid: axis '{name}' needs two or more finite nodes")
             if not (steps > 0).all() or np.ptp(steps) > 1e-6 * steps[0]:
-                raise FloeError(f"grid: axis '{name}' must ascend in even steps")
+                k = int(np.argmax((steps <= 0) | (np.abs(steps - steps[0]) > 1e-6 * steps[0])))
+                raise FloeError(
+                    f"grid: axis '{name}' must ascend in even steps, but goes from "
+                    f"{axis[k]:g} to {axis[k + 1]:g} at node {k + 1}"
+                )
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -60,69 +68,53 @@ class Grid:
         nx, ny = len(self.x) - 1, len(self.y) - 1
         return (self.x[-1] - self.x[0]) / nx, (self.y[-1] - self.y[0]) / ny
 
+    def places(self) -> tuple[Array, Array]:
+        """Nodes, x and y (m), (nodes,) each."""
+        x, y = np.meshgrid(self.x, self.y)
+        return x.ravel(), y.ravel()
 
-@dataclass(frozen=True)
-class Stencil:
-    """Pairs of a node and an element in reach of it.
+    def cell_of(self, x: Array, y: Array) -> Index:
+        """Flat index of the cell that holds each place, -1 outside of all cells, (n,)."""
+        (ny, nx), (dx, dy) = self.shape, self.spacing
+        column, row = (x - self.x[0]) / dx + 0.5, (y - self.y[0]) / dy + 0.5
+        # Places on the outer edges belong to the grid, up to round-off.
+        slack = 1e-9
+        inside = (column > -slack) & (column < nx + slack) & (row > -slack) & (row < ny + slack)
+        column, row = np.where(inside, column, 0.0), np.where(inside, row, 0.0)
+        i = np.clip(np.floor(column).astype(np.int64), 0, nx - 1)
+        j = np.clip(np.floor(row).astype(np.int64), 0, ny - 1)
+        return np.where(inside, j * nx + i, -1)
 
-    Parameters
-    ----------
-    node, element : ndarray of int
-        Flat index of the node (row by row), index of the element.
-    hat : ndarray
-        The node's hat function at the element, in (0, 1].
-    xi, eta : ndarray
-        Element minus node, scaled by the reach of the hat, in (-1, 1).
-    """
+    def touches(self, x: Array, y: Array, radius: Array) -> NDArray[np.bool_]:
+        """Whether discs (m) overlap the rectangle of the cells or have their centre in it, (n,)."""
+        (dx, dy), inside = self.spacing, self.cell_of(x, y) >= 0
+        away_x = np.abs(x - 0.5 * (self.x[0] + self.x[-1])) - 0.5 * dx * len(self.x)
+        away_y = np.abs(y - 0.5 * (self.y[0] + self.y[-1])) - 0.5 * dy * len(self.y)
+        return inside | (np.hypot(np.maximum(away_x, 0.0), np.maximum(away_y, 0.0)) < radius)
 
-    node: Index
-    element: Index
-    hat: Array
-    xi: Array
-    eta: Array
+    def pairs(self, x: Array, y: Array, reach: int = 1) -> Stencil:
+        """Find the nodes in reach of each element.
 
+        Parameters
+        ----------
+        x, y : ndarray
+            Element centres (m), (n,); a slice of the elements will do. Those outside the grid
+            find no node.
+        reach : int
+            Half-width of the hats in grid spacings.
 
-def stencil(x: Array, y: Array, grid: Grid, reach: int = 1) -> Stencil:
-    """Find the nodes in reach of each element.
-
-    Parameters
-    ----------
-    x, y : ndarray
-        Element centres (m), (n,); a slice of the elements will do. Those outside the grid find no
-        node.
-    grid : Grid
-        The grid.
-    reach : int
-        Half-width of the hats in grid spacings.
-
-    Raises
-    ------
-    FloeError
-        For places that are not finite, lengths that differ, or a reach below 1.
-    """
-    if reach < 1:
-        raise FloeError(f"remap: a reach of {reach} grid spacings finds nothing; give 1 or more")
-    if x.shape != y.shape or x.ndim != 1:
-        raise FloeError(f"remap: x has shape {x.shape} and y {y.shape}; both must be (n,)")
-    bad = ~(np.isfinite(x) & np.isfinite(y))
-    if bad.any():
-        e = int(np.argmax(bad))
-        raise FloeError(f"remap: element {e} lies at x = {x[e]}, y = {y[e]}")
-    (ny, nx), (dx, dy) = grid.shape, grid.spacing
-    column, row = (x - grid.x[0]) / dx, (y - grid.y[0]) / dy
-    inside = (column > -reach) & (column < nx - 1 + reach) & (row > -reach) & (row < ny - 1 + reach)
-    element = np.flatnonzero(inside)
-    column, row = column[element], row[element]
-    left, below = np.floor(column).astype(np.int64), np.floor(row).astype(np.int64)
-
-    parts: list[tuple[NDArray, ...]] = []
-    offsets = range(1 - reach, reach + 1)
-    for j in (below + offset for offset in offsets):
-        eta = (row - j) / reach
-        for i in (left + offset for offset in offsets):
-            xi = (column - i) / reach
-            hat = (1.0 - np.abs(xi)) * (1.0 - np.abs(eta))
-            near = (i >= 0) & (i < nx) & (j >= 0) & (j < ny) & (hat > LEAST_HAT)
-            node = (j * nx + i)[near]
-            parts.append((node, element[near], hat[near], xi[near], eta[near]))
-    return Stencil(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+        Raises
+        ------
+        FloeError
+            For places that are not finite, lengths that differ, or a reach below 1.
+        """
+        if reach < 1:
+            raise FloeError(
+                f"remap: a reach of {reach} grid spacings finds nothing; give 1 or more"
+            )
+        check_places(x, y, self)
+        (ny, nx), (dx, dy) = self.shape, self.spacing
+        column, row = (x - self.x[0]) / dx, (y - self.y[0]) / dy
+        cells = sort_by_cell(column, row, nx, ny, reach)
+        start, element, hat, xi, eta = lattice_pairs(*cells, nx, ny, reach)
+        return Stencil(start, element, hat, xi, eta, len(x))

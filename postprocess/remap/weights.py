@@ -10,50 +10,57 @@ a pair, so ranks can share the elements.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
+from scipy.spatial import cKDTree
 
 from floeflow.errors import FloeError
-from floeflow.postprocess.remap.grid import Array, Grid, Index, Stencil, stencil
+from floeflow.postprocess.remap.bounded import Ranks
+from floeflow.postprocess.remap.stencil import (
+    Array,
+    Index,
+    Stencil,
+    Target,
+    plane_weights,
+    row_bounds,
+    sum_moments,
+)
 
-EMPTY, SHEPARD, MLS = 0, 1, 2
+EMPTY, SHEPARD, MLS, FILLED = 0, 1, 2, 3
 
 CONDITION_LIMIT = 1e3
 # Elements with less than this share of the heaviest one's weight count as having none: the square
 # of what is left cannot underflow.
 LEAST_SHARE = 1e-100
-FORMAT = 1
 
 
 @dataclass(frozen=True)
 class Weights:
-    """Weights of the elements at the nodes of a grid.
+    """Weights of the elements at the nodes of a target.
 
     Parameters
     ----------
     matrix : scipy.sparse.csr_array
-        (ny nx, n): rows of nodes in reach of an element add up to 1, the others are empty.
-    grid : Grid
-        The grid.
+        (nodes, n): rows of nodes in reach of an element add up to 1, the others are empty.
+    target : Target
+        The grid or mesh.
     status : ndarray of int8
-        (ny, nx): EMPTY, SHEPARD or MLS.
+        (target.shape): EMPTY, SHEPARD, MLS, or FILLED from the nearest node that is not empty.
     condition : ndarray
-        (ny, nx): condition number of the scaled moment matrix; inf where it is singular.
+        (target.shape): condition number of the scaled moment matrix; inf where it is singular.
     reach : int
         Half-width of the hats in grid spacings.
     """
 
     matrix: csr_array
-    grid: Grid
+    target: Target
     status: NDArray[np.int8]
     condition: Array
     reach: int
 
-    def apply(self, field: Array, bounded: bool = False) -> Array:
+    def apply(self, field: Array, bounded: bool = False, ranks: Ranks | None = None) -> Array:
         """Average an intensive field of the elements at the nodes.
 
         Parameters
@@ -63,39 +70,54 @@ class Weights:
         bounded : bool
             Cut the value at the least and the largest of the node's own elements, which a plane
             oversteps where all elements lie on one side of the node.
+        ranks : Ranks, optional
+            Where the elements are a slice: how to add up over ranks.
 
         Returns
         -------
         ndarray
-            (ny, nx), NaN where no element is in reach.
+            (target.shape), NaN where no element is in reach.
 
         Raises
         ------
         FloeError
             For a field of another length, or not finite where it has weight.
         """
-        matrix = self.matrix
-        if field.shape != (matrix.shape[1],):
+        self._check(field)
+        values = np.asarray(self.matrix @ field)
+        values = ranks.add(values) if ranks else values
+        if bounded:
+            low, high = self.bounds(field, ranks)
+            values = np.minimum(np.maximum(values, low.ravel()), high.ravel())
+        values[self.status.ravel() == EMPTY] = np.nan
+        return values.reshape(self.status.shape)
+
+    def bounds(self, field: Array, ranks: Ranks | None = None) -> tuple[Array, Array]:
+        """Least and largest value among the elements of each node, (target.shape) each.
+
+        Infinite (least above largest) where no element is in reach.
+        """
+        self._check(field)
+        low, high = row_bounds(self.matrix.indptr, self.matrix.indices, field)
+        if ranks:
+            low, high = -ranks.largest(-low), ranks.largest(high)
+        return low.reshape(self.status.shape), high.reshape(self.status.shape)
+
+    def _check(self, field: Array) -> None:
+        n = self.matrix.shape[1]
+        if field.shape != (n,):
             raise FloeError(
-                f"remap: the field has shape {field.shape}, the weights are for "
-                f"{matrix.shape[1]} elements"
+                f"remap: the field has shape {field.shape}, the weights are for {n} elements"
             )
-        source = field[matrix.indices]
-        if not np.isfinite(source).all():
-            e = int(matrix.indices[np.argmin(np.isfinite(source))])
-            raise FloeError(f"remap: the field is {field[e]} at element {e}, which has weight")
-        filled = np.flatnonzero(self.status.ravel() != EMPTY)
-        values = (matrix @ field)[filled]
-        if bounded and len(filled):
-            starts = matrix.indptr[filled]
-            low, high = np.minimum.reduceat(source, starts), np.maximum.reduceat(source, starts)
-            values = np.clip(values, low, high)
-        out = np.full(self.status.size, np.nan)
-        out[filled] = values
-        return out.reshape(self.status.shape)
+        bad = np.flatnonzero(~np.isfinite(field))
+        if len(bad):
+            used = bad[np.isin(bad, self.matrix.indices)]
+            if len(used):
+                e = int(used[0])
+                raise FloeError(f"remap: the field is {field[e]} at element {e}, which has weight")
 
 
-def node_moments(pairs: Stencil, weight: Array, nodes: int) -> Array:
+def node_moments(pairs: Stencil, weight: Array) -> Array:
     """Moments of the elements around each node, which add up over slices of the elements.
 
     Parameters
@@ -104,36 +126,40 @@ def node_moments(pairs: Stencil, weight: Array, nodes: int) -> Array:
         Pairs of node and element.
     weight : ndarray
         Amount of the parent in each element, (n,).
-    nodes : int
-        Number of nodes.
 
     Returns
     -------
     ndarray
         (6, nodes): sums of 1, xi, eta, xi^2, xi eta, eta^2 times hat and weight.
     """
-    share = pairs.hat * weight[pairs.element]
-    xi, eta = pairs.xi, pairs.eta
-    terms = (share, share * xi, share * eta, share * xi**2, share * xi * eta, share * eta**2)
-    return np.stack([np.bincount(pairs.node, term, nodes) for term in terms])
+    s = pairs
+    return np.asarray(sum_moments(s.start, s.element, s.hat, s.xi, s.eta, weight))
 
 
 def moment_condition(moments: Array) -> Array:
-    """Condition number of each node's moment matrix, scaled by its mass; inf if singular."""
-    mass = moments[0]
-    condition = np.full(mass.shape, np.inf)
-    some = np.flatnonzero(mass > 0.0)
-    m = moments[:, some] / mass[some]
-    matrices = m[[0, 1, 2, 1, 3, 4, 2, 4, 5]].T.reshape(-1, 3, 3)
-    values = np.linalg.eigvalsh(matrices)
+    """Condition number of each node's moment matrix, scaled by its mass; inf if singular.
+
+    The eigenvalues of a symmetric 3 x 3 matrix in closed form (Smith 1961, Commun. ACM 4, 168).
+    """
+    some = np.flatnonzero(moments[0] > 0.0)
+    a, b, aa, ab, bb = moments[1:, some] / moments[0, some]
+    mean = (1.0 + aa + bb) / 3.0
+    d0, d1, d2 = 1.0 - mean, aa - mean, bb - mean
+    spread = np.sqrt((d0**2 + d1**2 + d2**2 + 2.0 * (a * a + b * b + ab * ab)) / 6.0)
+    safe = np.where(spread > 0.0, spread, 1.0)
+    determinant = d0 * (d1 * d2 - ab * ab) - a * (a * d2 - ab * b) + b * (a * ab - d1 * b)
+    angle = np.arccos(np.clip(0.5 * determinant / safe**3, -1.0, 1.0)) / 3.0
+    largest = mean + 2.0 * spread * np.cos(angle)
+    least = mean + 2.0 * spread * np.cos(angle + 2.0 * np.pi / 3.0)
     # Below round-off of the largest, the smallest eigenvalue is noise of either sign.
-    regular = values[:, 0] > 1e-15 * values[:, 2]
-    condition[some[regular]] = values[regular, 2] / values[regular, 0]
+    regular = least > 1e-13 * largest
+    condition = np.full(moments.shape[1], np.inf)
+    condition[some[regular]] = largest[regular] / least[regular]
     return condition
 
 
-def _planes(moments: Array, fits: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Centre (2, nodes) of each node's elements, and its solution g of C g = centre.
+def _planes(moments: Array, fits: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
+    """Mass (nodes,) and centre (2, nodes) of each node's elements, and g of C g = centre.
 
     With the coordinates counted from the centre of the elements, the moment matrix falls apart
     into their mass and a 2 x 2 covariance C, and the weight of an element is
@@ -144,19 +170,22 @@ def _planes(moments: Array, fits: NDArray[np.bool_]) -> tuple[Array, Array]:
     xx, xy, yy = moments[3:6] / mass - np.stack([cx * cx, cx * cy, cy * cy])
     determinant = np.where(fits, xx * yy - xy * xy, 1.0)
     g = np.stack([yy * cx - xy * cy, xx * cy - xy * cx]) / determinant
-    return centre, np.where(fits, g, 0.0)
+    return mass, centre, np.where(fits, g, 0.0)
 
 
 def build_weights(
     x: Array,
     y: Array,
     area: Array,
-    grid: Grid,
+    target: Target,
     *,
     reach: int = 1,
     condition_limit: float = CONDITION_LIMIT,
+    fill: float = 0.0,
+    pairs: Stencil | None = None,
+    ranks: Ranks | None = None,
 ) -> Weights:
-    """Build the weights of elements at the nodes of a grid.
+    """Build the weights of elements at the nodes of a target.
 
     Parameters
     ----------
@@ -165,14 +194,22 @@ def build_weights(
     area : ndarray
         What the field is averaged over: the amount of its parent in each element (area, ice area,
         mass ...), (n,), not negative. Elements with none get no weight.
-    grid : Grid
-        The grid.
+    target : Target
+        The grid or mesh.
     reach : int
         Half-width of the hats in grid spacings; about two spacings of the elements is best.
     condition_limit : float
         Nodes whose scaled moment matrix has a larger condition number (6 for evenly spread
         elements) get Shepard's average. It bounds how far a plane is extrapolated, and its
         round-off.
+    fill : float
+        A node without elements takes the weights of the nearest node that has some, up to this
+        far (m).
+    pairs : Stencil, optional
+        ``target.pairs(x, y, reach)``, where it is known already.
+    ranks : Ranks, optional
+        Where the elements are a slice: how to add up over ranks. Every rank calls; the matrix
+        then holds the rank's own elements, all else is the same on every rank.
 
     Returns
     -------
@@ -190,88 +227,53 @@ def build_weights(
     if bad.any():
         e = int(np.argmax(bad))
         raise FloeError(f"remap: element {e} is weighted by {area[e]}")
-    pairs = stencil(x, y, grid, reach)
-    heaviest = area.max(initial=0.0)
+    ranks = ranks or Ranks()
+    pairs = pairs or target.pairs(x, y, reach)
+    heaviest = float(ranks.largest(np.array([area.max(initial=0.0)]))[0])
     weight = area / heaviest if heaviest > 0.0 else area
-    pairs = _select(pairs, np.flatnonzero(weight[pairs.element] > LEAST_SHARE))
-    moments = node_moments(pairs, weight, grid.shape[0] * grid.shape[1])
+    light = weight <= LEAST_SHARE
+    if light.any():
+        pairs = select_pairs(pairs, ~light[pairs.element])
+    moments = ranks.add(node_moments(pairs, weight))
     condition = moment_condition(moments)
     fits = condition <= condition_limit
     status = np.where(moments[0] > 0.0, np.where(fits, MLS, SHEPARD), EMPTY).astype(np.int8)
-    return Weights(
-        matrix=_matrix(pairs, weight, moments, fits, len(x)),
-        grid=grid,
-        status=status.reshape(grid.shape),
-        condition=condition.reshape(grid.shape),
-        reach=reach,
-    )
+    mass, (cx, cy), (gx, gy) = _planes(moments, fits)
+    s = pairs
+    psi = plane_weights(s.start, s.element, s.hat, s.xi, s.eta, weight, mass, cx, cy, gx, gy)
+    matrix = sparse(s.start, s.element, psi, len(x))
+    if fill > 0.0:
+        matrix, status = _fill(matrix, status, target, fill)
+    shape = target.shape
+    return Weights(matrix, target, status.reshape(shape), condition.reshape(shape), reach)
 
 
-def _select(pairs: Stencil, chosen: Index) -> Stencil:
-    return Stencil(
-        node=pairs.node[chosen],
-        element=pairs.element[chosen],
-        hat=pairs.hat[chosen],
-        xi=pairs.xi[chosen],
-        eta=pairs.eta[chosen],
-    )
+def select_pairs(pairs: Stencil, chosen: NDArray[np.bool_]) -> Stencil:
+    """Some of the pairs of a stencil."""
+    before = np.concatenate([[0], np.cumsum(chosen)])
+    hat, xi, eta = (column[chosen] for column in (pairs.hat, pairs.xi, pairs.eta))
+    return Stencil(before[pairs.start], pairs.element[chosen], hat, xi, eta, pairs.elements)
 
 
-def _matrix(
-    pairs: Stencil, weight: Array, moments: Array, fits: NDArray[np.bool_], elements: int
-) -> csr_array:
-    """Weights of all pairs, elements in ascending order within each node."""
-    (cx, cy), (gx, gy) = _planes(moments, fits)
-    i = pairs.node
-    tilt = gx[i] * (pairs.xi - cx[i]) + gy[i] * (pairs.eta - cy[i])
-    psi = (1.0 - tilt) * pairs.hat * weight[pairs.element] / moments[0][i]
-    matrix = csr_array((psi, (i, pairs.element)), shape=(len(fits), elements))
-    matrix.sort_indices()
-    return matrix
+def sparse(start: Index, element: NDArray[np.int32], data: Array, elements: int) -> csr_array:
+    """Sparse matrix (nodes, elements) of sorted pairs, with 32-bit indices where they suffice."""
+    if start[-1] < np.iinfo(np.int32).max:
+        start = start.astype(np.int32)
+    return csr_array((data, element, start), shape=(len(start) - 1, elements))
 
 
-def save_weights(weights: Weights, path: str | Path) -> None:
-    """Write weights as an .npz file without pickles."""
-    matrix = weights.matrix
-    with open(path, "wb") as file:
-        np.savez(
-            file,
-            format=np.int64(FORMAT),
-            data=matrix.data,
-            indices=matrix.indices,
-            indptr=matrix.indptr,
-            elements=np.int64(matrix.shape[1]),
-            x=weights.grid.x,
-            y=weights.grid.y,
-            status=weights.status,
-            condition=weights.condition,
-            reach=np.int64(weights.reach),
-        )
-
-
-def load_weights(path: str | Path) -> Weights:
-    """Read weights that `save_weights` wrote; they give the same bits.
-
-    Raises
-    ------
-    FloeError
-        Where the file is missing or holds no weights of this format.
-    """
-    try:
-        with open(path, "rb") as file, np.load(file, allow_pickle=False) as stored:
-            if stored["format"] != FORMAT:
-                raise FloeError(f"{path}: remap weights of format {stored['format']}, not {FORMAT}")
-            grid = Grid(stored["x"], stored["y"])
-            shape = (grid.shape[0] * grid.shape[1], int(stored["elements"]))
-            parts = (stored["data"], stored["indices"], stored["indptr"])
-            return Weights(
-                matrix=csr_array(parts, shape=shape),
-                grid=grid,
-                status=stored["status"],
-                condition=stored["condition"],
-                reach=int(stored["reach"]),
-            )
-    except FileNotFoundError:
-        raise FloeError(f"{path}: there is no such file") from None
-    except (OSError, ValueError, TypeError, KeyError, BadZipFile, EOFError):
-        raise FloeError(f"{path}: holds no remap weights") from None
+def _fill(
+    matrix: csr_array, status: NDArray[np.int8], target: Target, distance: float
+) -> tuple[csr_array, NDArray[np.int8]]:
+    """Give empty nodes the weights of the nearest node that has some, up to a distance (m)."""
+    empty, known = np.flatnonzero(status == EMPTY), np.flatnonzero(status != EMPTY)
+    if not (len(empty) and len(known)):
+        return matrix, status
+    places = np.stack(target.places(), axis=1)
+    empty = empty[np.isfinite(places[empty]).all(axis=1)]
+    away, nearest = cKDTree(places[known]).query(places[empty])
+    near = away <= distance
+    row, status = np.arange(len(status)), status.copy()
+    row[empty[near]] = known[nearest[near]]
+    status[empty[near]] = FILLED
+    return csr_array(matrix[row]), status

@@ -10,11 +10,14 @@ import numpy as np
 from mpi4py import MPI
 from rafts import bonded, lattice, uniform
 
+from floeflow.dynamics import walls
 from floeflow.dynamics.engine import Engine, EngineParams
 
+KINDS = ("element", "bond", "contact", "wall")
 
-def main(out: Path, start: Path | None) -> None:
-    """Write elements, bonds, contacts and sums after 1000 steps, and after 1000 more."""
+
+def main(out: Path, steps: int, walled: bool, start: Path | None) -> None:
+    """Write elements, bonds, contacts and sums after some steps, and after as many more."""
     raft = lattice(20, 15)
     random = np.random.default_rng(11)
     raft["thickness"] = random.uniform(0.5, 2.0, len(raft["id"]))
@@ -23,30 +26,41 @@ def main(out: Path, start: Path | None) -> None:
     raft["u"] = np.where(raft["type"] == 2, 0.0, -3e-5 * raft["x"] + 0.4)
     table = bonded(raft)
     coast = (raft["type"][table["id_lo"] - 1] == 2) & (raft["type"][table["id_hi"] - 1] == 2)
-    state = [raft, {name: values[~coast] for name, values in table.items()}, None]
+    state = [raft, {name: values[~coast] for name, values in table.items()}, None, None]
     if start is not None:
         with np.load(start) as data:
-            for k, kind in enumerate(("element", "bond", "contact")):
+            for k, kind in enumerate(KINDS):
                 names = [name for name in data.files if name.startswith(f"{kind}.")]
                 state[k] = {name.removeprefix(f"{kind}."): data[name] for name in names}
     switches = dict.fromkeys(("bonds", "wind", "ocean_drag", "coriolis", "tilt"), True)
-    params = EngineParams(time_step=0.2, **switches)
+    params = EngineParams(time_step=0.2, ridging=walled, **switches)
+    # One wall stands, one comes from the right, and a bent one dents the upper side.
+    dent = np.array([[[1.5e4, 4e4], [2e4, 2.525e4]], [[2e4, 2.525e4], [2.5e4, 4e4]]])
+    faces = walls.join(
+        [
+            walls.plane(-1000.0, 0.0, (1.0, 0.0)),
+            walls.plane(40_000.0, 0.0, (-1.0, 0.0), (-1.5, 0.1)),
+            walls.lines(dent, (0.0, -1.0)),
+        ]
+    )
     comm = MPI.COMM_WORLD
-    with Engine(comm, params, out / f"log.{comm.size}") as engine:
-        for part in ("first", "second"):
-            engine.load(*state)
+    with Engine(comm, params, out / f"log.{comm.size}", faces if walled else None) as engine:
+        for k, part in enumerate(("first", "second"), start=start is not None):
+            engine.load(*state[:3], 0.2 * steps * k, state[3])
             engine.set_forcing(uniform((10.0, 5.0), (0.1, 0.1), 1.4e-4))
-            engine.run(1000)
+            engine.run(steps)
             state = [engine.elements(), engine.bonds(), engine.contacts()]
+            state.append(engine.wall_contacts() if walled else {})
             sums = engine.diagnostics()
             if comm.rank == 0:
                 named = {
                     f"{kind}.{name}": values
-                    for kind, values_of in zip(("element", "bond", "contact"), state, strict=True)
+                    for kind, values_of in zip(KINDS, state, strict=True)
                     for name, values in values_of.items()
                 }
                 np.savez(out / f"{part}.npz", **named, **{f"sum.{k}": v for k, v in sums.items()})
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]) if len(sys.argv) > 2 else None)
+    folder, count, kind, *rest = sys.argv[1:]
+    main(Path(folder), int(count), kind == "walls", Path(rest[0]) if rest else None)

@@ -132,7 +132,8 @@ def test_a_changed_key_changes_the_hash_of_its_stages_only():
 
 def test_more_windows_change_no_hash():
     plain, longer = parse(""), parse("time: {windows: 50}")
-    assert all(stage_hash(plain, stage) == stage_hash(longer, stage) for stage in STAGE_KEYS)
+    stages = set(STAGE_KEYS) - {"estimate"}  # what is estimated grows with the run
+    assert all(stage_hash(plain, stage) == stage_hash(longer, stage) for stage in stages)
 
 
 def test_every_key_is_read_by_a_stage():

@@ -11,6 +11,7 @@ from floeflow.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.dynamics.elements import (
     bearing_thickness,
     element_arrays,
+    joint_thickness,
     moved_state,
     pair_arrays,
     thin_bonds,
@@ -80,3 +81,21 @@ def test_without_bonds_nothing_is_thinned():
     state = a_state(("wind",))
     assert thin_bonds(state) is state
     assert np.array_equal(pair_arrays(state, "contact")["id_lo"], [1])
+
+
+def test_the_coast_does_not_thin_the_bonds_to_it() -> None:
+    state = a_state()
+    state["type"] = ("element", np.array([1, 1, 1, 2], np.int8))
+    state["ice_volume"].values[:] = [[1.0], [0.8], [0.5], [0.0]]
+    state["bond_thickness"].values[:] = 2.0
+    assert thin_bonds(state)["bond_thickness"].values.tolist() == [0.8, 0.5, 0.5]
+    assert joint_thickness(state).tolist() == [1.0, 0.8, 0.5, 1.0]
+
+
+def test_a_bond_goes_where_its_ice_has_melted_out() -> None:
+    state = a_state()
+    state["ice_volume"].values[:, 0] = [1.0, 0.0, 1.0, 1.0]
+    state["bond_thickness"].values[:] = 0.5
+    left = thin_bonds(state)
+    check_state(left)
+    assert left["bond_id_lo"].values.tolist() == [3] and left["bond_id_hi"].values.tolist() == [4]

@@ -17,10 +17,21 @@ pytestmark = pytest.mark.mpi
 Result = dict[str, np.ndarray]
 
 
-def run(folder: Path, ranks: int, start: Path | None = None) -> tuple[Result, Result]:
+def run(
+    folder: Path, ranks: int, start: Path | None = None, steps: int = 1000, kind: str = "raft"
+) -> tuple[Result, Result]:
     folder.mkdir(parents=True, exist_ok=True)
     script = Path(__file__).with_name("engine_ranks.py")
-    command = ["mpirun", "-n", str(ranks), sys.executable, str(script), str(folder)]
+    command = [
+        "mpirun",
+        "-n",
+        str(ranks),
+        sys.executable,
+        str(script),
+        str(folder),
+        str(steps),
+        kind,
+    ]
     done = subprocess.run(
         command + ([str(start)] if start else []),
         env=mpi_environment(),
@@ -39,13 +50,14 @@ def run(folder: Path, ranks: int, start: Path | None = None) -> tuple[Result, Re
 @pytest.fixture(scope="module")
 def ranks(tmp_path_factory: pytest.TempPathFactory) -> dict[int, tuple[Result, Result]]:
     folder = tmp_path_factory.mktemp("ranks")
-    return {n: run(folder / str(n), n) for n in (1, 2)}
+    return {n: run(folder / str(n), n) for n in (1, 2, 4)}
 
 
-def test_one_and_two_ranks_agree_over_the_first_1000_steps(
-    ranks: dict[int, tuple[Result, Result]],
+@pytest.mark.parametrize("more", [2, 4])
+def test_one_and_more_ranks_agree_over_the_first_1000_steps(
+    ranks: dict[int, tuple[Result, Result]], more: int
 ) -> None:
-    one, two = ranks[1][0], ranks[2][0]
+    one, two = ranks[1][0], ranks[more][0]
     assert 0 < one["sum.bonds_broken"] and 0 < one["sum.bonds"]
     assert ((one["bond.crack_a"] > 0) | (one["bond.crack_b"] > 0)).any()
     for name in ("bond.id_lo", "bond.id_hi", "contact.id_lo", "contact.id_hi"):
@@ -87,3 +99,28 @@ def test_a_state_goes_on_with_another_number_of_ranks(
     for name in ("element.x", "element.y"):
         scale = np.ptp(kept[name])
         np.testing.assert_allclose(moved[name], kept[name], rtol=0, atol=1e-9 * scale)
+
+
+def test_walls_and_ridges_on_other_numbers_of_ranks(tmp_path: Path) -> None:
+    """Moving walls that crack and ridge the raft, cut in the midst and continued elsewhere."""
+    runs = {n: run(tmp_path / str(n), n, steps=200, kind="walls") for n in (1, 2, 4)}
+    first, second = runs[1]
+    # All three walls are touched; the first line of the bent one speaks for its corner.
+    assert set(first["wall.face"]) == {0, 1, 2}
+    assert (first["wall.ridge_closing"] > 0).any() and (first["contact.ridge_closing"] > 0).any()
+    assert first["sum.bonds_broken"] > 10 and first["sum.elastic_wall"] > 0
+    state = tmp_path / "state.npz"
+    np.savez(state, **first)
+    moved = run(tmp_path / "moved", 4, state, 200, "walls")[0]
+    for one, other in ((first, runs[2][0]), (first, runs[4][0]), (second, moved)):
+        for name in ("bond.id_lo", "bond.id_hi", "contact.id_hi", "wall.id", "wall.face"):
+            np.testing.assert_array_equal(other[name], one[name], err_msg=name)
+        for name, size in (
+            *((f"element.{k}", 4e4) for k in ("x", "y")),
+            *((f"wall.{k}", 1e3) for k in ("slip", "rest_overlap", "ridge_closing")),
+            *((f"contact.{k}", 1e3) for k in ("slip", "rest_overlap", "ridge_closing")),
+            *((f"sum.{k}", 1e10) for k in ("elastic_wall", "work_wall", "impulse_wall_x")),
+        ):
+            np.testing.assert_allclose(
+                other[name], one[name], rtol=1e-9, atol=1e-9 * size, err_msg=name
+            )

@@ -243,7 +243,7 @@ def test_same_seed_same_bits_in_another_process(packed: xr.Dataset) -> None:
 
 
 def test_no_coast_without_the_key(mask: xr.Dataset) -> None:
-    made = packing.make_packing(mask, Packing(elements=50, coast=False), 7)
+    made = packing.make_packing(mask, Packing(elements=50), 7, coast_effect=False)
     assert mobile(made).all()
     check_sums(mask, made)
     check_no_overlap(made)

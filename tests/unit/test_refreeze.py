@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +81,10 @@ def test_what_does_not_freeze() -> None:
     assert freeze(contact((1, 2), touch=DAY), pair, COLD, PARAMS)[1].all()
     coast = pair | {"type": np.array([2, 1])}
     assert not freeze(contact((1, 2), touch=DAY), coast, COLD, PARAMS)[1].any()
+    fast = replace(COLD, to_coast=True)
+    assert freeze(contact((1, 2), touch=DAY), coast, fast, PARAMS)[1].all()
+    land = pair | {"type": np.array([2, 2])}
+    assert not freeze(contact((1, 2), touch=DAY), land, fast, PARAMS)[1].any()
     bare = pair | {"thickness": np.array([1.0, 0.0])}
     assert not freeze(contact((1, 2), touch=DAY), bare, COLD, PARAMS)[1].any()
     pressed = pair | {"x": np.array([0.0, 1990.0])}
@@ -117,3 +122,28 @@ def test_a_state_with_new_bonds_is_a_state() -> None:
     later, formed = refreeze(state, contact((2, 3), touch=5.0), winter, COLD, PARAMS, 10.0)
     check_state(later)
     assert formed == 0 and later["contact_touch_time"].values.tolist() == [15.0]
+
+
+def test_fast_ice_forms_and_thickens_beside_the_coast() -> None:
+    state = a_state(("bonds", "refreeze", "thermodynamics"))
+    row = discs(1999.999 * np.arange(4), np.zeros(4))
+    for name in ("x", "y", "theta", "radius"):
+        state[name] = ("element", row[name])
+    state["type"] = ("element", np.array([1, 1, 1, 2], np.int8))
+    state["ice_volume"].values[:] = [[1.0], [0.8], [0.5], [0.0]]
+    state = state.isel(bond=[0])
+    state["contact_id_lo"], state["contact_id_hi"] = ("contact", [3]), ("contact", [4])
+    state["contact_rest_overlap"].values[:] = 0.0
+    state["bond_thickness"].values[:] = 0.8
+    old = contact((3, 4), touch=DAY)
+    assert refreeze(state, old, winter, COLD, PARAMS, 10.0)[1] == 0
+    fast, formed = refreeze(state, old, winter, replace(COLD, to_coast=True), PARAMS, 10.0)
+    check_state(fast)
+    assert formed == 1 and fast["bond_id_hi"].values.tolist() == [2, 4]
+    assert fast["bond_thickness"].values.tolist() == [0.8, COLD.thickness]
+    # It grows by Stefan's law to the ice's own thickness: the coast, which has no ice, is no limit.
+    later = refreeze(fast, old, winter, COLD, PARAMS, DAY)[0]
+    grown = np.sqrt(COLD.thickness**2 + COLD.growth * 20.0 * DAY)
+    assert later["bond_thickness"].values[1] == pytest.approx(grown)
+    late = refreeze(fast, old, winter, COLD, PARAMS, 1e9)[0]
+    assert late["bond_thickness"].values.tolist() == [0.8, 0.5]

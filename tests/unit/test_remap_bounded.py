@@ -86,6 +86,13 @@ def test_values_without_weight_are_only_cut():
     np.testing.assert_allclose(found.values, [1.0, 0.75], rtol=1e-15)
 
 
+def test_a_target_far_outside_leaves_no_round_off():
+    low, high, total = np.zeros(2), np.full(2, 2e-9), 1e-9
+    found = nearest_bounded(np.array([4097.0, 4097.0]), low, high, np.ones(2), total)
+    assert abs(found.values.sum() - total) < 1e-22
+    assert found.feasible.all()
+
+
 rows = st.lists(
     st.tuples(
         st.floats(-1e6, 1e6),

@@ -3,21 +3,24 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from floeflow.errors import FloeError
 from floeflow.postprocess.remap import (
     EMPTY,
+    FILLED,
     MLS,
     SHEPARD,
     Grid,
+    Ranks,
     build_weights,
     load_weights,
     save_weights,
 )
-from floeflow.postprocess.remap.grid import stencil
 from floeflow.postprocess.remap.weights import node_moments
+from floeflow.state import write_dataset
 
 
 def unit_grid(cells):
@@ -159,10 +162,9 @@ def test_elements_without_weight_may_hold_nan():
 
 def test_moments_add_up_over_slices():
     grid, x, y, area = scene()
-    nodes = grid.shape[0] * grid.shape[1]
-    whole = node_moments(stencil(x, y, grid), area, nodes)
+    whole = node_moments(grid.pairs(x, y), area)
     parts = [slice(0, 150), slice(150, 400)]
-    added = sum(node_moments(stencil(x[p], y[p], grid), area[p], nodes) for p in parts)
+    added = sum(node_moments(grid.pairs(x[p], y[p]), area[p]) for p in parts)
     np.testing.assert_allclose(added, whole, rtol=1e-12, atol=1e-3)
 
 
@@ -176,28 +178,59 @@ def test_condition_limit_is_obeyed():
 
 def test_saved_weights_give_the_same_bits(tmp_path):
     grid, x, y, area = scene(n=60)
-    weights = build_weights(x, y, area, grid)
-    save_weights(weights, tmp_path / "weights.npz")
-    again = load_weights(tmp_path / "weights.npz")
+    weights = build_weights(x, y, area, Grid(grid.x, grid.y, "EPSG:3413"), reach=2)
+    save_weights(weights, tmp_path / "weights.nc")
+    again = load_weights(tmp_path / "weights.nc")
     field = np.sin(x / 1e5)
     assert again.apply(field).tobytes() == weights.apply(field).tobytes()
     np.testing.assert_array_equal(again.status, weights.status)
     np.testing.assert_array_equal(again.condition, weights.condition)
-    np.testing.assert_array_equal(again.grid.x, grid.x)
+    np.testing.assert_array_equal(again.target.x, grid.x)
+    assert (again.target.crs, again.reach) == ("EPSG:3413", 2)
 
 
 def test_broken_files_are_named(tmp_path):
     with pytest.raises(FloeError, match="there is no such file"):
-        load_weights(tmp_path / "none.npz")
-    for text in (b"", b"PK\x03\x04 not a zip file", b"text"):
-        (tmp_path / "bad.npz").write_bytes(text)
-        with pytest.raises(FloeError, match=r"bad.npz: holds no remap weights"):
-            load_weights(tmp_path / "bad.npz")
-    np.savez(tmp_path / "other.npz", data=np.ones(3))
-    np.save(tmp_path / "array.npy", np.ones(3))
-    for name in ("other.npz", "array.npy"):
-        with pytest.raises(FloeError, match="holds no remap weights"):
-            load_weights(tmp_path / name)
+        load_weights(tmp_path / "none.nc")
+    (tmp_path / "bad.nc").write_bytes(b"text")
+    with pytest.raises(FloeError, match=r"bad.nc: cannot be read as NetCDF"):
+        load_weights(tmp_path / "bad.nc")
+    write_dataset(xr.Dataset({"weight": ("pair", np.ones(3))}), tmp_path / "other.nc")
+    with pytest.raises(FloeError, match=r"other.nc: holds no remap weights"):
+        load_weights(tmp_path / "other.nc")
+
+
+def test_empty_nodes_are_filled_from_the_nearest():
+    x, y = np.array([0.2, 0.1, 3.9]), np.array([0.1, 0.3, 2.9])
+    weights = build_weights(x, y, np.ones(3), GRID, fill=1.5)
+    plain = build_weights(x, y, np.ones(3), GRID)
+    field = np.array([1.0, 2.0, 7.0])
+    out = weights.apply(field, bounded=True)
+    was = plain.status != EMPTY
+    np.testing.assert_array_equal(out[was], plain.apply(field, bounded=True)[was])
+    assert weights.status[0, 2] == FILLED and out[0, 2] == out[0, 1]
+    assert weights.status[1, 4] == FILLED and out[1, 4] == 7.0
+    assert weights.status[0, 4] == EMPTY and np.isnan(out[0, 4])
+
+
+def test_slices_on_ranks_give_the_same():
+    """Two slices, added up as ranks would: first the moments, then the averages."""
+    grid, x, y, area = scene(n=300)
+    field = np.sin(x / 1e5)
+    whole = build_weights(x, y, area, grid)
+    parts = [slice(0, 120), slice(120, 300)]
+
+    moments = [node_moments(grid.pairs(x[p], y[p]), area[p] / area.max()) for p in parts]
+    total = moments[0] + moments[1]
+    values = []
+    for p in parts:
+        ranks = Ranks(lambda part: total, lambda part: np.array([area.max()]))
+        weights = build_weights(x[p], y[p], area[p], grid, ranks=ranks)
+        np.testing.assert_array_equal(weights.status, whole.status)
+        values.append(weights.matrix @ field[p])
+    out = (values[0] + values[1]).reshape(grid.shape)
+    filled = whole.status != EMPTY
+    np.testing.assert_allclose(out[filled], whole.apply(field)[filled], rtol=1e-12, atol=1e-12)
 
 
 def test_bad_input_is_named():

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -12,6 +13,7 @@ from types import SimpleNamespace
 import pytest
 from synthetic import Run, make_run
 
+from floeflow.effects import EFFECTS
 from floeflow.errors import FloeError
 from floeflow.postprocess import diagnostics, report
 from floeflow.postprocess.expense import stages, total_seconds
@@ -30,6 +32,31 @@ SECTIONS = [
     "Cost",
     "Provenance",
 ]
+ESTIMATES = {
+    "chosen_by": "auto",
+    "estimates": [
+        {
+            "name": "wind",
+            "named": True,
+            "number": 3.0,
+            "meaning": "wind over current",
+            "share": 0.5,
+            "cost": 0.1,
+            "advice": "needed",
+            "reason": "It moves positions.",
+        },
+        {
+            "name": "grid_output",
+            "named": False,
+            "number": None,
+            "meaning": "none",
+            "share": 0.0,
+            "cost": 0.1,
+            "advice": "output",
+            "reason": "It changes no result.",
+        },
+    ],
+}
 HOSTILE = '<script>alert(1)</script> & "co" {{ 7 * 7 }}'
 
 
@@ -93,16 +120,17 @@ def report_of(run: Run) -> str:
         input=SimpleNamespace(
             first_state=str(run.path("state", 0)),
             last_state=str(run.path("state", last)),
-            first_grid=str(run.path("grid", 0)),
-            last_grid=str(run.path("grid", last)),
+            grids=[str(run.path("grid", window)) for window in (0, last)],
             mask=str(folder / "preprocess" / "mask.nc"),
             packing=str(folder / "preprocess" / "packing.nc"),
             benchmarks=sorted(str(path) for path in (folder / "benchmarks").rglob("*.tsv")),
+            estimates=str(folder / "effects.json"),
             **files,
         ),
         output=SimpleNamespace(report=str(folder / "report.html"), figures=str(folder / "figures")),
         config=config,
     )
+    Path(given.input.estimates).write_text(json.dumps(ESTIMATES))
     report.main(given)
     return (folder / "report.html").read_text(encoding="utf-8")
 
@@ -213,16 +241,7 @@ def test_no_ice_and_absent_effects_are_said(bare: tuple[Run, str]):
     names = {figure["id"] for figure in page.every("figure")}
     assert not [name for name in names if "bond" in name or "snow" in name or "column" in name]
     absent = html[html.index("neither simulated") :].split("</p>")[0]
-    assert re.findall(r"<code>(\w+)</code>", absent) == [
-        "ocean_drag",
-        "coriolis",
-        "tilt",
-        "friction",
-        "bonds",
-        "ridging",
-        "refreeze",
-        "thermodynamics",
-    ]
+    assert re.findall(r"<code>(\w+)</code>", absent) == [e for e in EFFECTS if e != "wind"]
     assert not [key for key in scene_keys(run.scene) if key.path.startswith("column.")]
 
 
@@ -230,6 +249,7 @@ def test_keys_that_differ_are_those_of_the_scene(run: Run):
     differ = {key.path: key for key in scene_keys(run.scene) if key.differs}
     assert set(differ) == {
         "name",
+        "effects",
         "seed",
         "domain.x_min",
         "domain.x_max",

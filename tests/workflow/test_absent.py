@@ -1,44 +1,129 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a scene does not name is absent: no rule, no switch, no variable, no figure."""
+"""What a scene does not name is absent: no rule, no switch, no variable, no figure.
+
+All of it is asked of the registry, so that an effect that is added there is tested here.
+"""
 
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 
 import pytest
 import xarray as xr
-from runner import Place
+from runner import Done, Place, make_place
 
+from floeflow.config import load_scene
 from floeflow.effects import EFFECTS
+from floeflow.estimate.influence import without
+from floeflow.frontdoor import window_name
+from floeflow.postprocess.collect import expected_series
 from floeflow.state import read_dataset, read_state
+from floeflow.state.schema import expected_variables
 
 pytestmark = pytest.mark.workflow
 
+BARE = ("wind",)
 
-def test_a_drift_of_free_floes_has_no_bonds_and_no_column(place: Place):
-    scene = place.scene(effects=["wind", "ocean_drag"], time={"windows": 1})
-    done = place.run(scene)
+
+def planned_rules(place: Place, effects: tuple[str, ...]) -> set[str]:
+    """Rules that `snakemake -n` would run."""
+    done = place.run(place.scene(effects=list(effects), time={"windows": 1}), "-n")
     assert done.returncode == 0, done.stdout
-    results = place.results()
-    assert "Bonds: glue lines" not in done.stdout
-    assert not (results / "preprocess/bonds.nc").exists()
-    state = read_state(results / "state/0001.nc")
-    absent = set(EFFECTS["bonds"].state) | set(EFFECTS["thermodynamics"].state)
-    assert not absent & set(state.variables)
-    forcing = read_dataset(results / "forcing/0001.nc")
-    assert set(forcing.data_vars) == {"wind_u", "wind_v", "ocean_u", "ocean_v"}
-    series = read_dataset(results / "series/0001.nc")
-    for word in ("bond", "fracture", "growth", "snow", "coriolis", "tilt", "friction"):
-        assert not [name for name in series if word in str(name)], word
-    names = {record["name"] for record in json.loads((results / "cost/0001.json").read_text())}
-    assert names == {"setup", "dynamics", "exchange"}
-    with xr.open_dataset(results / "grid/0001.nc") as grid:
-        assert "sisnthick" not in grid
-    log = (results / "log/window/0001.liggghts.log").read_text()
-    assert "bonds no friction no" in log
-    assert "wind yes" in log and "coriolis no tilt no" in log
-    report = (results / "report.html").read_text()
-    assert "Bonds broken" not in report and "Snow volume" not in report
+    table = re.search(r"Job stats:\njob +count\n[- ]+\n(.*?)\n\n", done.stdout, re.S)
+    assert table is not None
+    return {row.split()[0] for row in table[1].splitlines()}
+
+
+def figures(results: Path) -> set[str]:
+    """Names of the figures in a report."""
+    page = (results / "report.html").read_text()
+    return set(re.findall(r'<figure id="(\w+)"', page))
+
+
+def run_with(folder: Path, effects: tuple[str, ...]) -> Done:
+    place = make_place(folder / "place")
+    scene = place.scene(effects=list(effects), time={"windows": 1})
+    done = place.run(scene, ranks=1)
+    assert done.returncode == 0, done.stdout
+    return Done(place, scene, done.stdout)
+
+
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """A run with hardly an effect."""
+    return run_with(tmp_path_factory.mktemp("bare"), BARE)
+
+
+@pytest.fixture(scope="module")
+def full(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """A run with every effect of the registry."""
+    return run_with(tmp_path_factory.mktemp("full"), tuple(EFFECTS))
+
+
+@pytest.mark.parametrize("name", [e.name for e in EFFECTS.values() if e.rules])
+def test_an_effect_brings_its_rules_and_none_other_does(place: Place, name: str):
+    rules = set(EFFECTS[name].rules)
+    assert rules <= planned_rules(place, tuple(EFFECTS))
+    left = without(EFFECTS, name)
+    kept = {rule for effect in left for rule in EFFECTS[effect].rules}
+    assert not (rules - kept) & planned_rules(place, tuple(left))
+
+
+def test_every_switch_is_on_with_all_effects_and_off_with_none(bare: Done, full: Done):
+    logs = [
+        (run.results / f"log/window/{window_name(1)}.liggghts.log").read_text()
+        for run in (bare, full)
+    ]
+    for effect in EFFECTS.values():
+        for switch in effect.plugin:
+            off, on = (re.findall(rf"\b{switch} (\S+)", log) for log in logs)
+            assert on and not set(on) & {"no", "0.0"}, (effect.name, switch, on)
+            if effect.name not in BARE:
+                assert set(off) <= {"no", "0.0"}, (effect.name, switch, off)
+
+
+def test_the_state_holds_what_the_effects_name(bare: Done, full: Done):
+    for run in (bare, full):
+        state = read_state(run.results / "state/0001.nc")
+        assert set(map(str, state.variables)) == set(
+            expected_variables(load_scene(run.scene).effects)
+        )
+    bare_names = set(map(str, read_state(bare.results / "state/0001.nc").variables))
+    for effect in EFFECTS.values():
+        if effect.name not in BARE:
+            assert not set(effect.state) & bare_names
+
+
+def test_series_and_costs_are_those_of_the_effects(bare: Done, full: Done):
+    names = set(map(str, read_dataset(bare.results / "series/0001.nc").variables))
+    every = set(map(str, read_dataset(full.results / "series/0001.nc").variables))
+    for effect in EFFECTS.values():
+        own = set(expected_series((effect.name,))) - set(expected_series(()))
+        assert own <= every
+        if effect.name not in BARE:
+            assert not own & names, effect.name
+    costs = json.loads((bare.results / "cost/0001.json").read_text())
+    assert {record["name"] for record in costs} == {"setup", "dynamics", "exchange"}
+
+
+def test_figures_are_those_of_the_effects(bare: Done, full: Done):
+    none, every = figures(bare.results), figures(full.results)
+    for effect in EFFECTS.values():
+        for start in effect.figures:
+            assert [name for name in every if name.startswith(start)], (effect.name, start)
+            if effect.name not in BARE:
+                assert not [name for name in none if name.startswith(start)], start
+
+
+def test_forcing_and_output_are_those_of_the_effects(bare: Done, full: Done):
+    forcing = read_dataset(bare.results / "forcing/0001.nc")
+    assert set(forcing.data_vars) == set(EFFECTS["wind"].forcing)
+    assert not (bare.results / "grid").exists()
+    with xr.open_dataset(full.results / "grid/0001.nc") as grid:
+        for effect in EFFECTS.values():
+            assert set(effect.output) <= set(map(str, grid.variables)), effect.name
 
 
 def test_a_scene_without_ice_runs_to_its_report(place: Place):

@@ -112,7 +112,7 @@ def test_a_changed_law_redoes_the_windows_and_what_follows(smoke: Done):
     scene = smoke.place.scene(dynamics={"friction_coefficient": 0.1})
     jobs = planned(smoke.place, scene)
     smoke.place.scene()
-    assert jobs == {"window": 3, "grid": 3, "diagnostics": 1, "report": 1}
+    assert jobs == {"estimate": 1, "window": 3, "grid": 3, "diagnostics": 1, "report": 1}
 
 
 def test_a_longer_run_redoes_no_window(copy: Callable[[], Place]):
@@ -120,7 +120,8 @@ def test_a_longer_run_redoes_no_window(copy: Callable[[], Place]):
     scene = place.scene(time={"windows": 4})
     jobs = planned(place, scene)
     assert jobs == {
-        "analytic": 1, "forcing": 1, "window": 1, "grid": 1, "diagnostics": 1, "report": 1,
+        "estimate": 1, "analytic": 1, "forcing": 1, "window": 1, "grid": 1, "diagnostics": 1,
+        "report": 1,
     }  # fmt: skip
     before = read_state(place.results() / "state/0003.nc").attrs["checksum"]
     done = place.run(scene, "results/smoke/state/0004.nc")

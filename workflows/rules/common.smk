@@ -3,9 +3,11 @@
 
 from floeflow.config import stage_hash
 from floeflow.frontdoor import PLUGIN, open_scene
+from floeflow.studies.plans import STUDIES, study_variants
 
 RUN = open_scene(config, workflow)
 EFFECTS = RUN.scene.effects
+GRIDDED = "grid_output" in EFFECTS
 
 
 def keys_of(*stages):
@@ -54,6 +56,25 @@ def bonds_input(wildcards):
     )
 
 
+def wall_mesh(wildcards):
+    """Mesh of a wall, where the scene has one."""
+    wanted = "walls" in EFFECTS and RUN.scene.walls.mesh
+    return RUN.scene.walls.mesh if wanted else []
+
+
+def grid_inputs(wildcards):
+    """Gridded output at all ends of groups, where the scene has it."""
+    ends = ["0000", *RUN.ends] if GRIDDED else []
+    return [f"results/{wildcards.scene}/grid/{end}.nc" for end in ends]
+
+
+def extra_targets():
+    """Files besides the report that the scene's effects bring."""
+    names = ["elements.lammpsdump", "drift.nc"]
+    wanted = "trajectory_output" in EFFECTS
+    return [f"{RUN.folder}/trajectory/{name}" for name in names if wanted]
+
+
 def stage_benchmarks(wildcards):
     """What Snakemake measured of the stages before and after the windows."""
     stages = ["mask", "packing", "initial", "diagnostics"]
@@ -62,7 +83,35 @@ def stage_benchmarks(wildcards):
     if bonds_input(wildcards):
         stages.insert(-2, "bonds")
     windows = [f"window/{window}" for window in RUN.ends]
-    grids = [f"grid/{window}" for window in ["0000", *RUN.ends]]
+    grids = [f"grid/{window}" for window in ["0000", *RUN.ends] if GRIDDED]
     forcing = [f"forcing/{window}" for window in RUN.windows]
     names = [*stages, *forcing, *windows, *grids]
     return [f"results/{wildcards.scene}/benchmarks/{name}.tsv" for name in names]
+
+
+def study_records(study):
+    """Records of all runs of a study."""
+    names = study_variants(study, RUN.scene)
+    return [f"{RUN.folder}/{study}/{name}.json" for name in names]
+
+
+def variant_changes(wildcards):
+    """What a run changes in the scene: another change runs it again."""
+    variants = study_variants(wildcards.study, RUN.scene)
+    return variants[wildcards.variant].as_text()
+
+
+def base_record(wildcards):
+    """The base run, with which all others share their preprocessing and are compared."""
+    folder = f"results/{wildcards.scene}/{wildcards.study}"
+    return [] if wildcards.variant == "base" else f"{folder}/base.json"
+
+
+def ablation_records(wildcards):
+    """Records of all runs of the ablation study."""
+    return study_records("ablation")
+
+
+def accuracy_records(wildcards):
+    """Records of all runs of the accuracy study."""
+    return study_records("accuracy")

@@ -31,10 +31,7 @@ rule diagnostics:
         ],
         series=group_ends("results/{scene}/series/{window}.nc"),
         cost=group_ends("results/{scene}/cost/{window}.json"),
-        grids=[
-            "results/{scene}/grid/0000.nc",
-            *group_ends("results/{scene}/grid/{window}.nc"),
-        ],
+        grids=grid_inputs,
     output:
         dataset="results/{scene}/diagnostics.nc",
         headline="results/{scene}/diagnostics.json",
@@ -60,10 +57,10 @@ rule report:
         headline="results/{scene}/diagnostics.json",
         first_state="results/{scene}/state/0000.nc",
         last_state=f"results/{{scene}}/state/{RUN.ends[-1]}.nc",
-        first_grid="results/{scene}/grid/0000.nc",
-        last_grid=f"results/{{scene}}/grid/{RUN.ends[-1]}.nc",
+        grids=grid_inputs,
         mask="results/{scene}/preprocess/mask.nc",
         packing="results/{scene}/preprocess/packing.nc",
+        estimates="results/{scene}/effects.json",
         benchmarks=stage_benchmarks,
     output:
         report="results/{scene}/report.html",

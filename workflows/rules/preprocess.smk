@@ -41,6 +41,26 @@ rule mask:
         "../../preprocess/mask.py"
 
 
+rule estimate:
+    input:
+        source=RUN.scene.mask.file,
+    output:
+        estimates="results/{scene}/effects.json",
+    log:
+        "results/{scene}/log/estimate.log",
+    benchmark:
+        "results/{scene}/benchmarks/estimate.tsv"
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        scene_keys=keys_of("estimate"),
+    message:
+        "Estimate: what each effect would change and cost"
+    script:
+        "../../preprocess/estimate.py"
+
+
 rule packing:
     input:
         mask="results/{scene}/preprocess/mask.nc",
@@ -123,6 +143,7 @@ rule initial:
     input:
         packing="results/{scene}/preprocess/packing.nc",
         bonds=bonds_input,
+        mesh=wall_mesh,
     output:
         state="results/{scene}/state/0000.nc",
     log:

@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+from itertools import cycle
+
 import matplotlib.pyplot as plt
 import numpy as np
+import xarray as xr
 from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -15,8 +18,8 @@ Curves = dict[str, tuple[np.ndarray, np.ndarray]]
 def curves(lines: Curves, points: Curves, x: str, y: str, scale: str = "linear") -> Figure:
     """Lines for theory and this model, points for other programs; named in the legend."""
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
-    for name, (a, b) in lines.items():
-        axes.plot(a, b, label=name)
+    for (name, (a, b)), style in zip(lines.items(), cycle(("-", "--", ":", "-."))):
+        axes.plot(a, b, linestyle=style, label=name)
     # Rings first, so that what coincides is seen.
     for name, (a, b) in points.items():
         ring = len(points) > 1 and name == next(iter(points))
@@ -59,4 +62,42 @@ def vortex(demsi: np.ndarray, ours: np.ndarray) -> Figure:
         axes.set_title(name)
         axes.set_xlabel("x (km)")
     both[0].set_ylabel("y (km)")
+    return figure
+
+
+def shaded(state: xr.Dataset, values: np.ndarray, label: str) -> Figure:
+    """Discs, darker where a value (n,) is larger; fixed ones are hatched."""
+    figure, axes = plt.subplots(figsize=(6.4, 5.2), layout="constrained")
+    fixed = state["type"].values == 2
+    x, y, r = (state[name].values / 1e3 for name in ("x", "y", "radius"))
+    discs = [Circle(place, size) for *place, size in zip(x, y, r, strict=True)]
+    ice = PatchCollection([d for d, f in zip(discs, fixed, strict=True) if not f], cmap="viridis_r")
+    ice.set_array(values[~fixed])
+    axes.add_collection(ice)
+    land = [d for d, f in zip(discs, fixed, strict=True) if f]
+    axes.add_collection(PatchCollection(land, facecolor="0.8", edgecolor="black", hatch="///"))
+    axes.autoscale_view()
+    axes.set_aspect("equal")
+    axes.set_xlabel("x (km)")
+    axes.set_ylabel("y (km)")
+    figure.colorbar(ice, ax=axes, label=label)
+    return figure
+
+
+def bonded(states: dict[str, xr.Dataset]) -> Figure:
+    """Mobile and fixed elements, with the bonds that hold, one picture below the other."""
+    figure, column = plt.subplots(
+        len(states), 1, figsize=(6.4, 4.6), layout="constrained", sharex=True, sharey=True
+    )
+    for axes, (name, state) in zip(column, states.items(), strict=True):
+        x, y, r = (state[key].values / 1e3 for key in ("x", "y", "radius"))
+        colour = np.where(state["type"].values == 2, "0.35", "0.85")
+        discs = [Circle(place, size) for *place, size in zip(x, y, r, strict=True)]
+        axes.add_collection(PatchCollection(discs, facecolor=colour))
+        lo, hi = (state[f"bond_id_{end}"].values - 1 for end in ("lo", "hi"))
+        axes.plot([x[lo], x[hi]], [y[lo], y[hi]], "-", color="C0", linewidth=0.8)
+        axes.set_aspect("equal")
+        axes.set_title(name)
+        axes.set_ylabel("y (km)")
+    column[-1].set_xlabel("x (km)")
     return figure

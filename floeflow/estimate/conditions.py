@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a scene holds before it runs: typical wind, current, ice, weather, and their spread.
+
+All values are means over the scene's ice and duration, so that an estimate needs a dozen numbers.
+Analytic forcing is sampled where the ice is; a file is read on the scene's grid in its first,
+middle and last window.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from floeflow.constants import AIR_DENSITY, EARTH_ROTATION, ICE_DENSITY, SEAWATER_DENSITY
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from floeflow.config import Scene
+
+WEATHER = (
+    "air_temperature",
+    "shortwave_down",
+    "longwave_down",
+    "snowfall",
+    "ocean_heat_flux",
+    "specific_humidity",
+    "air_pressure",
+)
+# Wind is sampled at so many moments; more change the means by per cents.
+MOMENTS = 5
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Means over ice and duration, SI units.
+
+    Parameters
+    ----------
+    seconds, window : float
+        Duration of the scene and of a coupling window.
+    latitude : float
+        Degrees.
+    wind, current : float
+        Root mean square speed.
+    wind_spread : float
+        Root mean square difference of the wind from its mean over the ice, m/s: it tears the pack.
+    wind_gradient : float
+        Root mean square gradient of the wind, 1/s.
+    convergence : float
+        Mean convergence of the wind over the ice where it converges, 1/s.
+    concentration, thickness, snow : float
+        Of the ice at the start; thickness and snow are means over the ice.
+    coast_share : float
+        Share of the ice within an element of land.
+    element_size, fetch : float
+        Side of a square of an element's area; width of the ice.
+    elements : int
+        Number aimed at.
+    air_temperature, shortwave_down, longwave_down, snowfall, ocean_heat_flux : float
+        As in the forcing.
+    specific_humidity, air_pressure : float
+        As in the forcing.
+    air_drag, ocean_drag : float
+        Drag coefficients.
+    turning_angle : float
+        Radians.
+    strength, tensile_share : float
+        Compressive strength (Pa), share of it in tension.
+    friction : float
+        Coefficient of friction.
+    bond_concentration : float
+        Ice that is less dense has no bonds.
+    refreeze_time, refreeze_temperature : float
+        When elements in touch freeze together.
+    """
+
+    seconds: float
+    window: float
+    latitude: float
+    wind: float
+    current: float
+    wind_spread: float
+    wind_gradient: float
+    convergence: float
+    concentration: float
+    thickness: float
+    snow: float
+    coast_share: float
+    element_size: float
+    fetch: float
+    elements: int
+    air_temperature: float
+    shortwave_down: float
+    longwave_down: float
+    snowfall: float
+    ocean_heat_flux: float
+    specific_humidity: float
+    air_pressure: float
+    air_drag: float
+    ocean_drag: float
+    turning_angle: float
+    strength: float
+    tensile_share: float
+    friction: float
+    bond_concentration: float
+    refreeze_time: float
+    refreeze_temperature: float
+
+    @property
+    def coriolis(self) -> float:
+        """Coriolis parameter, 1/s."""
+        return 2.0 * EARTH_ROTATION * math.sin(math.radians(self.latitude))
+
+    @property
+    def mass(self) -> float:
+        """Ice mass per area of ice, kg/m2."""
+        return ICE_DENSITY * self.thickness
+
+    @property
+    def wind_stress(self) -> float:
+        """Pa."""
+        return AIR_DENSITY * self.air_drag * self.wind**2
+
+    @property
+    def nansen(self) -> float:
+        """Speed of free drift over the wind's (Leppäranta 2011, eq. 6.7)."""
+        if not self.ocean_drag:
+            return 0.0
+        ratio = AIR_DENSITY * self.air_drag / (SEAWATER_DENSITY * self.ocean_drag)
+        return math.sqrt(ratio)
+
+    @property
+    def slip(self) -> float:
+        """Speed of free drift relative to the water, m/s."""
+        return max(self.nansen * self.wind, 1.0e-3)
+
+    @property
+    def drag_rate(self) -> float:
+        """Rate at which the ocean's drag stops the ice, 1/s."""
+        return SEAWATER_DENSITY * self.ocean_drag * self.slip / max(self.mass, 1.0e-6)
+
+    @cached_property
+    def closing(self) -> float:
+        """Share of the area that convergence of free drift closes over the run."""
+        return min(1.0, self.nansen * self.convergence * self.seconds)
+
+    @cached_property
+    def compaction(self) -> float:
+        """From 0 (floes apart) to 1 (jammed): discs in the plane touch from 0.8 on."""
+        packed = self.concentration * (1.0 + self.closing)
+        return min(1.0, max(0.0, (packed - 0.7) / 0.2))
+
+    @property
+    def spread(self) -> float:
+        """Difference of free drift speeds within the ice, m/s."""
+        return self.nansen * self.wind_spread
+
+
+def conditions(scene: Scene) -> Conditions:
+    """Sample a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its mask file and forcing are read; nothing else.
+
+    Raises
+    ------
+    FloeError
+        Where a file is missing or cannot be what it should be.
+    """
+    from floeflow.preprocess.grids import cell_area, scene_crs, scene_grid, to_lonlat
+
+    grid = scene_grid(scene.domain)
+    mask = _mask(scene)
+    siconc, sithick = mask["siconc"].values, mask["sithick"].values
+    area = cell_area(grid, scene_crs(scene.domain)) * (siconc > 0)
+    ice = area * siconc
+    _, lat = to_lonlat(scene_crs(scene.domain), *grid.mesh())
+    total = float(area.sum())
+    weight = ice / ice.sum() if total else np.full(ice.shape, 1.0 / ice.size)
+    moving = _wind_and_current(scene, weight)
+    d = scene.dynamics
+    size = math.sqrt(total / scene.packing.elements) if total else grid.spacing
+    near_land = _near(mask["land"].values > 0, max(1, round(size / grid.spacing)))
+    return Conditions(
+        seconds=scene.time.windows * scene.time.window,
+        window=scene.time.window,
+        latitude=float((weight * lat.reshape(ice.shape)).sum()),
+        **moving,
+        concentration=float(ice.sum() / total) if total else 0.0,
+        thickness=float((weight * sithick).sum()),
+        snow=scene.mask.snow_thickness,
+        coast_share=float((weight * near_land).sum()),
+        element_size=size,
+        fetch=math.sqrt(total),
+        elements=scene.packing.elements if total else 0,
+        **_weather(scene, weight),
+        air_drag=d.air_drag,
+        ocean_drag=d.ocean_drag,
+        turning_angle=math.radians(d.turning_angle),
+        strength=d.compressive_strength if d.strength == "constant" else 1.285e6,
+        tensile_share=d.tensile_share,
+        friction=d.friction_coefficient,
+        bond_concentration=scene.packing.bond_concentration,
+        refreeze_time=d.refreeze_time,
+        refreeze_temperature=d.refreeze_temperature,
+    )
+
+
+def _mask(scene: Scene) -> xr.Dataset:
+    """The ice on the scene grid; land from the file, as the 1 km mask takes seconds."""
+    from floeflow.preprocess.mask import make_mask
+
+    land = "none" if scene.mask.land == "none" else "mask"
+    coarse = scene.mask.model_copy(update={"refine": 1, "land": land})
+    return make_mask(scene.model_copy(update={"mask": coarse}), None)
+
+
+def _near(land: np.ndarray, reach: int) -> np.ndarray:
+    """Cells within so many cells of land."""
+    from scipy.ndimage import binary_dilation
+
+    return np.asarray(binary_dilation(land, iterations=reach)) if land.any() else land
+
+
+def _wind_and_current(scene: Scene, weight: np.ndarray) -> dict[str, float]:
+    from floeflow.preprocess.grids import scene_grid
+
+    spacing = scene.domain.spacing
+    if scene.forcing.source == "file":
+        fields = _file_fields(scene, ("wind_u", "wind_v", "ocean_u", "ocean_v"))
+        winds = list(zip(fields["wind_u"], fields["wind_v"], strict=True))
+        currents = list(zip(fields["ocean_u"], fields["ocean_v"], strict=True))
+    else:
+        from floeflow.preprocess.analytic import cyclone_wind, gyre_current
+        from floeflow.preprocess.grids import scene_crs, to_lonlat
+
+        x, y = scene_grid(scene.domain).mesh()
+        _, lat = to_lonlat(scene_crs(scene.domain), x, y)
+        north = float(np.mean(lat)) > 0
+        duration = scene.time.windows * scene.time.window
+        moments = np.linspace(0.0, duration, MOMENTS)
+        winds = [cyclone_wind(scene.forcing.cyclone, x, y, t, north) for t in moments]
+        currents = [gyre_current(scene.forcing.gyre, x, y)]
+        winds = [(u.reshape(weight.shape), v.reshape(weight.shape)) for u, v in winds]
+        currents = [(u.reshape(weight.shape), v.reshape(weight.shape)) for u, v in currents]
+    gradients, inflow, uneven = [], [], []
+    for u, v in winds:
+        (uy, ux), (vy, vx) = np.gradient(u, spacing), np.gradient(v, spacing)
+        gradients.append((weight * (ux**2 + uy**2 + vx**2 + vy**2)).sum())
+        mean_u, mean_v = (weight * u).sum(), (weight * v).sum()
+        uneven.append((weight * ((u - mean_u) ** 2 + (v - mean_v) ** 2)).sum())
+        inflow.append((weight * np.maximum(-(ux + vy), 0.0)).sum())
+    return {
+        "wind": _rms(winds, weight),
+        "current": _rms(currents, weight),
+        "wind_spread": math.sqrt(float(np.mean(uneven))),
+        "wind_gradient": math.sqrt(float(np.mean(gradients))),
+        "convergence": float(np.mean(inflow)),
+    }
+
+
+def _rms(pairs: list[tuple[np.ndarray, np.ndarray]], weight: np.ndarray) -> float:
+    return math.sqrt(float(np.mean([(weight * (u**2 + v**2)).sum() for u, v in pairs])))
+
+
+def _weather(scene: Scene, weight: np.ndarray) -> dict[str, float]:
+    if scene.forcing.source == "analytic":
+        from floeflow.preprocess.analytic import humidity
+
+        weather = scene.forcing.weather
+        found = {name: getattr(weather, name) for name in WEATHER if hasattr(weather, name)}
+        return {**found, "specific_humidity": humidity(weather)}
+    fields = _file_fields(scene, WEATHER)
+    return {
+        name: float(np.mean([(weight * values).sum() for values in fields[name]]))
+        for name in WEATHER
+    }
+
+
+def _file_fields(scene: Scene, names: tuple[str, ...]) -> dict[str, list[np.ndarray]]:
+    """Fields (y, x) at the start of the first, middle and last window; zeros where not in the file.
+
+    A file need not hold the weather of a scene without thermodynamics.
+    """
+    from floeflow.errors import FloeError
+    from floeflow.preprocess.forcing import make_forcing
+    from floeflow.preprocess.grids import scene_grid
+
+    last = scene.time.windows
+    windows = sorted({1, (1 + last) // 2, last})
+    shape = scene_grid(scene.domain).shape
+    found: dict[str, list[np.ndarray]] = {name: [] for name in names}
+    for effect in ("wind", "ocean_drag", "thermodynamics"):
+        asked = scene.model_copy(update={"effects": (effect,)})
+        try:
+            parts = [make_forcing(asked, scene.forcing.file, window) for window in windows]
+        except FloeError:
+            continue
+        for name in set(names) & set(map(str, parts[0].data_vars)):
+            found[name] = [part[name].values[0] for part in parts]
+    return {name: values or [np.zeros(shape)] for name, values in found.items()}

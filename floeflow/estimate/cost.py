@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a run costs, stage by stage, from its scene: the cost model of estimates and plans.
+
+Seconds of one core are linear in a few sizes of the scene (elements times steps, cells, windows)
+with the coefficients of ``costs.json``, fitted to runs by ``python -m floeflow.plan --refit``.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from floeflow.constants import ICE_DENSITY
+from floeflow.effects import plugin_switches
+
+if TYPE_CHECKING:
+    from floeflow.config import Scene
+    from floeflow.estimate.conditions import Conditions
+
+COSTS = Path(__file__).with_name("costs.json")
+Coefficients = Mapping[str, float]
+# What physics and knobs set; starting programs costs the same for any of them.
+WORK = ("dynamics", "column")
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Sizes of a run that its cost depends on.
+
+    Parameters
+    ----------
+    elements : float
+        With the coast's.
+    steps : float
+        Steps of the element model in the whole run.
+    windows : int
+        Coupling windows.
+    column_steps : float
+        Column steps in the whole run.
+    cells : float
+        Cells of the scene grid.
+    mask_cells : float
+        Cells of the mask grid.
+    land : bool
+        Whether the 1 km land mask is read.
+    """
+
+    elements: float
+    steps: float
+    windows: int
+    column_steps: float
+    cells: float
+    mask_cells: float
+    land: bool
+
+
+def coefficients() -> dict[str, float]:
+    """Fitted coefficients of the cost model."""
+    data: dict[str, float] = json.loads(COSTS.read_text())["seconds"]
+    return data
+
+
+def critical_step(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients) -> float:
+    """Critical step of the element model (s): size over the speed of sound, times a fitted factor.
+
+    Independent of thickness; the factor holds what the smallest elements take from it.
+    """
+    sound = math.sqrt(scene.dynamics.contact_modulus / ICE_DENSITY)
+    step = fit["step_contacts"] * c.element_size / sound
+    if "bonds" in effects:
+        sound = math.sqrt(scene.dynamics.young_modulus / ICE_DENSITY)
+        step = min(step, fit["step_bonds"] * c.element_size / sound)
+    return step
+
+
+def sizes(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients) -> Sizes:
+    """Sizes of a run of the scene with these effects."""
+    effects = tuple(effects)
+    domain = scene.domain
+    cells = (domain.x_max - domain.x_min) * (domain.y_max - domain.y_min) / domain.spacing**2
+    coast = fit["coast_elements"] * c.coast_share if "coast" in effects else 0.0
+    between = scene.time.window / scene.dynamics.samples
+    step = scene.dynamics.step_share * critical_step(c, scene, effects, fit)
+    steps = math.ceil(between / step) * scene.dynamics.samples * scene.time.windows
+    inner = math.ceil(scene.time.window / scene.column.step) * scene.time.windows
+    return Sizes(
+        elements=c.elements * (1.0 + coast),
+        steps=steps,
+        windows=scene.time.windows,
+        column_steps=inner,
+        cells=cells,
+        mask_cells=cells * scene.mask.refine**2,
+        land=scene.mask.land == "global_land_mask",
+    )
+
+
+def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[str, float]:
+    """Seconds of one core for each stage of a run.
+
+    Parameters
+    ----------
+    s : Sizes
+        Of the run.
+    effects : iterable of str
+        Its effects.
+    fit : mapping
+        Coefficients: ``<stage>`` for a job, ``<stage>_per_<size>``, ``dynamics_<effect>``.
+    """
+    effects = tuple(effects)
+    switched = [name for name in effects if plugin_switches((name,))]
+    a_step = fit["dynamics"] + sum(fit.get(f"dynamics_{name}", 0.0) for name in switched)
+    jobs = {"mask": 1, "packing": 1, "initial": 1, "forcing": s.windows, "report": 2}
+    seconds = {name: count * fit["job"] for name, count in jobs.items()}
+    seconds["mask"] += fit["mask_per_cell"] * s.mask_cells
+    seconds["packing"] += fit["packing_per_element"] * s.elements
+    seconds["forcing"] += fit["forcing_per_cell"] * s.cells * s.windows
+    seconds["window"] = s.windows * (fit["window"] + fit["window_per_element"] * s.elements)
+    seconds["dynamics"] = s.steps * (fit["step"] + s.elements * a_step)
+    if "bonds" in effects:
+        seconds["bonds"] = fit["job"]
+    if s.land:
+        seconds["land"] = fit["land"]
+    if "thermodynamics" in effects:
+        parts = [name for name in effects if f"column_{name}" in fit]
+        share = 1.0 + sum(fit[f"column_{name}"] for name in parts)
+        seconds["column"] = fit["column"] * share * s.elements * s.column_steps
+    if "grid_output" in effects:
+        jobs_of_grid = s.windows + 1
+        seconds["grid"] = jobs_of_grid * (fit["job"] + fit["grid_per_cell"] * s.cells)
+    if "trajectory_output" in effects:
+        seconds["trajectory"] = fit["job"] + fit["window_per_element"] * s.elements * s.windows
+    return seconds
+
+
+def cost_share(
+    c: Conditions,
+    scene: Scene,
+    name: str,
+    effects: Iterable[str],
+    fit: Coefficients,
+    parts: tuple[str, ...] = (),
+) -> float:
+    """Share of the run time with an effect that goes when it is left out.
+
+    `parts` restricts it to some stages, such as ``WORK``; empty: the whole run.
+    """
+    from floeflow.estimate.influence import without
+
+    there = frozenset(effects) | {name}
+    return saved_share(c, scene, there, without(there, name), fit, parts)
+
+
+def saved_share(
+    c: Conditions,
+    scene: Scene,
+    effects: Iterable[str],
+    fewer: Iterable[str],
+    fit: Coefficients,
+    parts: tuple[str, ...] = (),
+) -> float:
+    """Share of the run time of a scene with these effects that fewer of them save."""
+    full, less = (
+        sum(
+            value
+            for stage, value in stage_seconds(sizes(c, scene, e, fit), e, fit).items()
+            if not parts or stage in parts
+        )
+        for e in (tuple(effects), tuple(fewer))
+    )
+    return (full - less) / full if full else 0.0

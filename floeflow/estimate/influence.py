@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""How far each effect would move a run's headline results, from the scene's conditions alone.
+
+The results are the drift (position of the elements), the ice volume and the ice area at the end. An
+effect's influence is the difference with and without it, each relative to what happens in the run
+at all; the largest of the three ranks the effect. Balances of one point say what forces and heat do
+(`drift`, `ice`); for what happens between elements there are scalings, stated below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from floeflow.effects import EFFECTS
+from floeflow.estimate.conditions import Conditions
+from floeflow.estimate.drift import run_drift
+from floeflow.estimate.ice import run_ice
+from floeflow.estimate.numbers import NUMBERS
+
+# What happens at all is at least this much: a drift of 1 km, a hundredth of the ice.
+DRIFT_FLOOR, ICE_FLOOR = 1.0e3, 0.01
+# Parts of thermodynamics as long as they are no effects of their own.
+PARTS = ("snow", "shortwave", "frazil")
+POINT = ("wind", "ocean_drag", "turning_angle", "coriolis", "tilt")
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What an effect changes by the end of the run.
+
+    Parameters
+    ----------
+    drift : float
+        Root mean square change of the elements' positions, m.
+    volume : float
+        Change of the ice volume per area of sea, m.
+    area : float
+        Change of the share of the sea under ice.
+    share : float
+        The largest of them, relative to what happens in the run.
+    """
+
+    drift: float
+    volume: float
+    area: float
+    share: float
+
+
+def mechanical_drift(c: Conditions, name: str, effects: frozenset[str]) -> float:
+    """Change of positions (m) by what happens between elements.
+
+    Bonds even out the drift as far as they hold, friction what has no bonds; the coast stops what
+    lies at it, and what the jammed pack leans on it; ridging lets the pack close.
+    """
+    torn, free = c.spread * c.seconds, c.slip * c.seconds
+    held = min(1.0, NUMBERS["bonds"](c))
+    loose = 1.0 - held if "bonds" in effects else 1.0
+    if name == "bonds":
+        return held * torn
+    if name == "friction":
+        return min(1.0, NUMBERS["friction"](c)) * loose * torn
+    if name == "coast":
+        return min(1.0, c.coast_share * (1.0 + 2.0 * c.compaction)) * free
+    if name == "walls":
+        return min(1.0, NUMBERS["walls"](c)) * free
+    if name == "ridging":
+        return NUMBERS["ridging"](c) * loose * min(free, c.fetch)
+    if name == "refreeze":
+        return min(1.0, NUMBERS["refreeze"](c)) * held * loose * torn
+    return 0.0
+
+
+def influence(c: Conditions, name: str, effects: Iterable[str]) -> Influence:
+    """Influence of one effect in a run with these effects (its own presence does not matter).
+
+    Parameters
+    ----------
+    c : Conditions
+        Of the scene.
+    name : str
+        The effect.
+    effects : iterable of str
+        Effects of the run.
+    """
+    there = frozenset(effects) | {name} | {part for part in PARTS if part not in EFFECTS}
+    gone = without(there, name)
+    with_ice, without_ice = run_ice(c, there), run_ice(c, gone)
+    volume, area = with_ice.volume - without_ice.volume, with_ice.area - without_ice.area
+    drift = mechanical_drift(c, name, there)
+    path = run_drift(c, there)
+    if name in POINT:
+        drift = abs(path - run_drift(c, gone))
+    start = c.concentration * c.thickness
+    scales = (
+        max(abs(path), DRIFT_FLOOR),
+        max(abs(with_ice.volume - start), ICE_FLOOR * start),
+        max(abs(with_ice.area - c.concentration), ICE_FLOOR * c.concentration),
+    )
+    shares = [
+        abs(part) / scale if scale > 0 else 0.0
+        for part, scale in zip((drift, volume, area), scales, strict=True)
+    ]
+    return Influence(drift, volume, area, max(shares))
+
+
+def without(effects: Iterable[str], name: str) -> frozenset[str]:
+    """These effects without one, and without those that need it."""
+    left = frozenset(effects) - {name}
+    while lost := {e for e in left if e in EFFECTS and not set(EFFECTS[e].needs) <= left}:
+        left -= lost
+    return left

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "wall_law.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fix_floe_integrate.h"
+#include "pair_floe.h"
+
+using namespace LAMMPS_NS;
+
+namespace floe {
+
+namespace {
+
+template <bool Friction, bool Ridging>
+ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose &pose, double step,
+                      WallHistory &h) {
+  const PairFloe &laws = *wall.laws;
+  // All the spring is the element's ice, all the mass its own.
+  const double stiffness = wall.stiffness(i);
+  const ContactConstants constants{stiffness,
+                                   2.0 * laws.contact.damping * std::sqrt(stiffness * mass)};
+  const bool advance = step > 0.0;
+  double rest = h.rest_overlap, slip = h.slip, limit = 0.0;
+  double overlap =
+      Ridging ? (pose.radius_one - pose.distance) - rest : effective_overlap(pose, rest);
+  if (advance) h.rest_overlap = rest;
+  if (!(overlap > 0.0) && !std::isnan(overlap)) {
+    if (advance) h.slip = 0.0;
+    return {};
+  }
+  Ledger &ledger = wall.fix->ledger;
+  if constexpr (Ridging) {
+    if (h.ridge.length == 0.0) {
+      h.ridge.thickness = wall.fix->thickness[i];
+      h.ridge.length = 2.0 * edge_share * pose.radius_one;
+    }
+    // A disc may begin with its centre right at the wall, where no ice is left between them.
+    const double span = pose.radius_one - std::min(rest, 0.5 * pose.radius_one);
+    const double closed = advance ? laws.close_ridge(stiffness, span, overlap, h.ridge) : 0.0;
+    if (closed > 0.0) {
+      h.rest_overlap = rest + closed;
+      overlap = (pose.radius_one - pose.distance) - h.rest_overlap;
+      ledger.dissipation_ridging += stiffness * overlap * closed;
+      wall.fix->ridged_area[i] += h.ridge.length * closed;
+    }
+    limit = laws.ridging_limit(h.ridge);
+  }
+  ContactLoss loss;
+  const ContactForce out = contact_force<Friction, Ridging>(laws.contact, constants, pose, overlap,
+                                                            step, slip, loss, limit);
+  if (advance) {
+    h.slip = slip;
+    ledger.dissipation_contact += loss.damping * step;
+    ledger.dissipation_friction += loss.friction;
+  }
+  return out;
+}
+
+}  // namespace
+
+double WallLaw::stiffness(int i) const { return laws->contact.young * fix->thickness[i]; }
+
+double WallLaw::overlap(const ContactPose &pose, const WallHistory &h) const {
+  double rest = h.rest_overlap;
+  return laws->ridging ? (pose.radius_one - pose.distance) - rest : effective_overlap(pose, rest);
+}
+
+double WallLaw::energy(int i, const ContactPose &pose, const WallHistory &h) const {
+  const double elastic = overlap(pose, h), k = stiffness(i);
+  if (!(elastic > 0.0)) return 0.0;
+  const double shear = laws->friction ? laws->contact.shear_ratio * h.slip * h.slip : 0.0;
+  return 0.5 * k * (elastic * elastic + shear);
+}
+
+ContactForce WallLaw::force(int i, double mass, const ContactPose &pose, double step,
+                            WallHistory &h) const {
+  if (laws->friction) {
+    return laws->ridging ? evaluate<true, true>(*this, i, mass, pose, step, h)
+                         : evaluate<true, false>(*this, i, mass, pose, step, h);
+  }
+  return laws->ridging ? evaluate<false, true>(*this, i, mass, pose, step, h)
+                       : evaluate<false, false>(*this, i, mass, pose, step, h);
+}
+
+}  // namespace floe

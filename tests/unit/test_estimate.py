@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Estimates of effects: limits that are known without a run, the recommendation, `auto`."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from floeflow.config import load_scene
+from floeflow.effects import EFFECTS
+from floeflow.estimate.choose import OUTPUT, estimate, recommended
+from floeflow.estimate.conditions import Conditions, conditions
+from floeflow.estimate.cost import coefficients, sizes, stage_seconds
+from floeflow.estimate.drift import run_drift
+from floeflow.estimate.ice import open_water_loss, run_ice
+from floeflow.estimate.influence import influence, without
+from floeflow.estimate.numbers import ICE_CONDUCTIVITY, ICE_HEAT, NUMBERS, meaning
+from floeflow.preprocess.estimate import estimates
+
+ROOT = Path(__file__).parents[2]
+SMOKE = ROOT / "config/scenes/smoke.yaml"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _in_project():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(ROOT)
+        yield
+
+
+@pytest.fixture(scope="module")
+def smoke() -> Conditions:
+    return conditions(load_scene(SMOKE))
+
+
+def test_every_effect_has_a_number_with_a_meaning():
+    for name in EFFECTS:
+        assert name in NUMBERS and meaning(name), name
+
+
+def test_conditions_are_those_of_the_scene(smoke: Conditions):
+    assert 70 < smoke.latitude < 76
+    assert smoke.seconds == 64800.0
+    assert 0.5 < smoke.concentration <= 1 and 1 < smoke.thickness <= 2
+    assert 5 < smoke.wind < 15
+    # A vortex blows from all sides.
+    assert 0.8 * smoke.wind < smoke.wind_spread <= smoke.wind
+
+
+def test_drift_goes_to_free_drift(smoke: Conditions):
+    calm = replace(smoke, current=0.0, seconds=30 * 86400.0)
+    place = run_drift(calm, frozenset({"wind", "ocean_drag"}))
+    assert abs(place) == pytest.approx(calm.nansen * calm.wind * calm.seconds, rel=1e-2)
+    assert place.imag == pytest.approx(0.0, abs=1e-6 * abs(place))
+
+
+def test_drift_without_drag_is_accelerated(smoke: Conditions):
+    calm = replace(smoke, current=0.0)
+    place = run_drift(calm, frozenset({"wind"}))
+    fall = 0.5 * calm.wind_stress / calm.mass * calm.seconds**2
+    assert abs(place) == pytest.approx(fall, rel=0.01)
+
+
+def test_coriolis_turns_to_the_right_in_the_north(smoke: Conditions):
+    calm = replace(smoke, current=0.0)
+    place = run_drift(calm, frozenset({"wind", "ocean_drag", "coriolis"}))
+    assert place.imag < 0 < place.real
+    south = run_drift(replace(calm, latitude=-75.0), frozenset({"wind", "ocean_drag", "coriolis"}))
+    assert south.imag > 0
+
+
+def test_ice_grows_as_stefan_s_law_has_it(smoke: Conditions):
+    # A surface held at the air's temperature by strong wind: h^2 grows by 2 k dT t / (rho L).
+    cold = replace(
+        smoke,
+        concentration=1.0,
+        thickness=0.5,
+        wind=1e4,
+        longwave_down=5.67e-8 * smoke.air_temperature**4,
+        specific_humidity=11637800.0 * math.exp(-5897.8 / smoke.air_temperature) / 1.3,
+        ocean_heat_flux=0.0,
+        seconds=10 * 86400.0,
+    )
+    warm = 2.0 * ICE_CONDUCTIVITY * (271.35 - cold.air_temperature) * cold.seconds / ICE_HEAT
+    found = run_ice(cold, frozenset({"thermodynamics"}))
+    assert found.volume == pytest.approx(math.sqrt(0.25 + warm), rel=0.01)
+
+
+def test_summer_melts_and_winter_freezes(smoke: Conditions):
+    every = frozenset({"thermodynamics", "snow", "frazil", "shortwave"})
+    start = smoke.concentration * smoke.thickness
+    assert run_ice(smoke, every).volume > start
+    assert open_water_loss(smoke) > 100
+    july = replace(
+        smoke,
+        air_temperature=274.0,
+        shortwave_down=250.0,
+        longwave_down=300.0,
+        specific_humidity=0.0037,
+        seconds=30 * 86400.0,
+    )
+    assert run_ice(july, every).volume < 0.9 * start
+    assert run_ice(july, every).area < smoke.concentration
+
+
+def test_an_effect_matters_where_its_cause_is(smoke: Conditions):
+    names = tuple(EFFECTS)
+    still = replace(smoke, current=1e-6)
+    assert influence(still, "tilt", names).share < 0.01 < influence(smoke, "tilt", names).share
+    equator = replace(smoke, latitude=1.0)
+    assert influence(equator, "coriolis", names).share < 0.02
+    loose = replace(smoke, concentration=0.3, convergence=0.0)
+    for name in ("friction", "ridging", "bonds"):
+        assert influence(loose, name, names).share == 0.0
+        assert influence(smoke, name, names).share > 0.0
+    inland = replace(smoke, coast_share=0.0)
+    assert influence(inland, "coast", names).drift == 0.0
+
+
+def test_without_takes_along_what_needs_it():
+    left = without(EFFECTS, "bonds")
+    assert "refreeze" not in left and "wind" in left
+
+
+def test_what_is_recommended_can_be_run(smoke: Conditions):
+    scene = load_scene(SMOKE)
+    rows = estimate(smoke, scene, EFFECTS, coefficients())
+    assert [row.name for row in rows] == list(EFFECTS)
+    assert all(-1 < row.cost < 1 and row.share >= 0 for row in rows)
+    chosen = recommended(rows, ("grid_output",))
+    for row in rows:
+        if row.advice == "needed":
+            assert row.name in chosen
+        if row.name in chosen and row.name not in OUTPUT:
+            assert row.advice == "needed" or any(row.name in EFFECTS[n].needs for n in chosen)
+    assert "trajectory_output" not in chosen
+
+
+def test_cost_grows_with_elements_steps_and_effects(smoke: Conditions):
+    scene, fit = load_scene(SMOKE), coefficients()
+    small = sizes(smoke, scene, scene.effects, fit)
+    seconds = stage_seconds(small, scene.effects, fit)
+    double = stage_seconds(replace(small, steps=2 * small.steps), scene.effects, fit)
+    assert double["dynamics"] == pytest.approx(2 * seconds["dynamics"])
+    assert "column" not in stage_seconds(small, ("wind",), fit)
+    # Without stiff bonds the step is longer.
+    assert sizes(smoke, scene, ("wind",), fit).steps < small.steps
+
+
+def test_auto_chooses_and_says_why(tmp_path: Path):
+    text = SMOKE.read_text() + "\nname: smoke\neffects: auto\n"
+    path = tmp_path / "smoke.yaml"
+    path.write_text(text)
+    scene = load_scene(path)
+    assert scene.auto and not load_scene(SMOKE).auto
+    said = estimates(scene)
+    assert said["chosen_by"] == "auto"
+    named = {row["name"] for row in said["estimates"] if row["named"]}
+    assert named == set(scene.effects) == set(said["effects"])
+    assert "wind" in named
+    json.dumps(said, allow_nan=False)
+    # In calm air nothing but the heat is left.
+    calm = text.replace("cyclone:", "gyre: {current_speed: 0}\n  cyclone:\n    wind_speed: 0")
+    path.write_text(calm)
+    assert set(load_scene(path).effects) == {"thermodynamics", "grid_output"}
+
+
+def test_the_command_prints_the_table(tmp_path: Path):
+    command = [sys.executable, "-m", "floeflow.effects", str(SMOKE)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    for name in EFFECTS:
+        assert f"\n{name} " in done.stdout
+    assert "Recommended: effects: [wind" in done.stdout
+    missing = subprocess.run([*command[:-1], "none.yaml"], capture_output=True, text=True, cwd=ROOT)
+    assert missing.returncode == 1 and "none.yaml" in missing.stderr
