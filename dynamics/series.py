@@ -34,6 +34,7 @@ PREFIX_UNITS = {
     "energy_": "J",
     "water_": "kg",
     "salt_": "kg",
+    "pond_": "m3",
     "wall_force_": "N",
 }
 
