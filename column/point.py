@@ -18,7 +18,7 @@ import numpy as np
 
 from floeflow.column.params import Settings
 from floeflow.column.state import Array
-from floeflow.column.sun import sun_height
+from floeflow.column.sun import day_of_year, sun_height
 from floeflow.errors import FloeError
 from floeflow.preprocess import cf, names
 from floeflow.preprocess.accumulate import rates
@@ -61,8 +61,9 @@ class PointForcing:
         values |= {name: np.array([value]) for name, value in self.constant.items()}
         speed = values.pop("wind_speed")
         if self.place is not None:
-            lon, lat = (np.array([each]) for each in self.place)
-            values["sun_height"] = sun_height(lon, lat, self.start, t)
+            lon, lat = self.place
+            height = sun_height(day_of_year(self.start, t), lat, lon)
+            values["sun_height"] = np.array([float(height)])
         return values | {"wind_u": speed, "wind_v": np.zeros(1)}
 
 

@@ -6,46 +6,54 @@ from __future__ import annotations
 from datetime import datetime, timedelta
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from floeflow.column.state import Array
+# The orbit of 1950 by Berger (1978).
+ECCENTRICITY = 0.016723932996732707
+OBLIQUITY = 23.446271289397863  # degrees
+PERIHELION = 102.03904951763556  # longitude, degrees from the vernal equinox
+EQUINOX = 80.5  # day of the year, 1 January at 0 h being 1
+YEAR = 365.0  # days
 
-_DAY = 86400.0
 
-
-def sun_height(lon: Array, lat: Array, start: datetime, seconds: float) -> Array:
-    """Cosine of the sun's distance from the zenith, zero at night.
-
-    Declination and equation of time by Spencer (1971), Fourier series representation of the
-    position of the sun, Search 2, 172.
+def sun_height(
+    day: ArrayLike, latitude: ArrayLike, longitude: ArrayLike = 0.0
+) -> NDArray[np.float64]:
+    """Cosine of the angle between sun and zenith, negative below the horizon; Berger (1978).
 
     Parameters
     ----------
-    lon, lat : ndarray
-        Degrees east and north, (n,).
-    start : datetime
-        UTC.
-    seconds : float
-        Since the start.
+    day : array_like
+        Day of the year with its fraction in universal time, 1 at the first of January, 0 h.
+    latitude, longitude : array_like
+        Degrees.
+
+    Returns
+    -------
+    ndarray
+        As the arguments broadcast.
     """
-    now = start + timedelta(seconds=seconds)
-    midnight = datetime(now.year, now.month, now.day)
-    of_day = (now.replace(tzinfo=None) - midnight).total_seconds() / _DAY
-    angle = 2.0 * np.pi * (now.timetuple().tm_yday - 1 + of_day) / 365.0
-    sines = [np.sin(k * angle) for k in (1, 2, 3)]
-    cosines = [np.cos(k * angle) for k in (1, 2, 3)]
-    declination = (
-        0.006918
-        - 0.399912 * cosines[0]
-        + 0.070257 * sines[0]
-        - 0.006758 * cosines[1]
-        + 0.000907 * sines[1]
-        - 0.002697 * cosines[2]
-        + 0.00148 * sines[2]
+    day, latitude, longitude = (np.asarray(a, dtype=float) for a in (day, latitude, longitude))
+    e, perihelion = ECCENTRICITY, np.radians(PERIHELION + 180.0)
+    b = np.sqrt(1.0 - e * e)
+    mean = 2.0 * (
+        (e / 2.0 + e**3 / 8.0) * (1.0 + b) * np.sin(perihelion)
+        - e**2 / 4.0 * (0.5 + b) * np.sin(2.0 * perihelion)
+        + e**3 / 8.0 * (1.0 / 3.0 + b) * np.sin(3.0 * perihelion)
     )
-    ahead = 0.000075 + 0.001868 * cosines[0] - 0.032077 * sines[0]
-    ahead += -0.014615 * cosines[1] - 0.040849 * sines[1]
-    hour = 2.0 * np.pi * (of_day - 0.5) + np.radians(lon) + ahead
-    place = np.radians(lat)
-    height = np.sin(place) * np.sin(declination)
-    height = height + np.cos(place) * np.cos(declination) * np.cos(hour)
-    return np.asarray(np.maximum(height, 0.0))
+    mean = mean + (day - EQUINOX) * 2.0 * np.pi / YEAR
+    m = mean - perihelion
+    true = mean + (2.0 * e - e**3 / 4.0) * np.sin(m) + 1.25 * e**2 * np.sin(2.0 * m)
+    true = true + 13.0 / 12.0 * e**3 * np.sin(3.0 * m)
+    declination = np.arcsin(np.sin(np.radians(OBLIQUITY)) * np.sin(true))
+    hour = (day % 1.0 - 0.5) * 2.0 * np.pi + np.radians(longitude)
+    high = np.sin(np.radians(latitude)) * np.sin(declination)
+    return np.asarray(high + np.cos(np.radians(latitude)) * np.cos(declination) * np.cos(hour))
+
+
+def day_of_year(start: datetime, seconds: float) -> float:
+    """Day of the year with its fraction, as `sun_height` takes it, so many seconds after a time."""
+    now = start + timedelta(seconds=seconds)
+    of_day = timedelta(hours=now.hour, minutes=now.minute, seconds=now.second)
+    fraction = (of_day + timedelta(microseconds=now.microsecond)) / timedelta(days=1)
+    return now.timetuple().tm_yday + fraction

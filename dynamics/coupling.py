@@ -16,7 +16,7 @@ from floeflow.column.forcing import sample_series
 from floeflow.column.params import ColumnParams, zero_layer_params
 from floeflow.column.scene import column_settings
 from floeflow.column.schemes import advance_columns as advance_slice
-from floeflow.column.sun import sun_height
+from floeflow.column.sun import day_of_year, sun_height
 from floeflow.config import Scene
 from floeflow.dynamics.collective import on_all
 from floeflow.dynamics.elements import Arrays
@@ -56,7 +56,7 @@ def forcing_sampler(
             slip = np.hypot(values.pop("ocean_u") - u, values.pop("ocean_v") - v)
             values["friction_velocity"] = np.sqrt(scene.dynamics.ocean_drag) * slip
         if lit:
-            values["sun_height"] = sun_height(lon, lat, scene.time.start, t)
+            values["sun_height"] = sun_height(day_of_year(scene.time.start, t), lat, lon)
         return values
 
     return sample

@@ -184,7 +184,7 @@ class Time(Block):
 class Dynamics(Block):
     """The discrete element model."""
 
-    step_share: float = key(0.4, "Time step as a share of the critical one.", "1", gt=0, le=1)
+    step_share: float = key(0.65, "Time step as a share of the critical one.", "1", gt=0, le=1)
     young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", gt=0)
     poisson_ratio: float = key(0.3, "Poisson's ratio of the ice.", "1", ge=0, lt=0.5)
     contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", gt=0)

@@ -35,10 +35,10 @@ def strength(pair: Arrays, table: Arrays, log: Path) -> float:
     largest = last = 0.0
     with Engine(MPI.COMM_SELF, PULL, log) as engine:
         engine.load(pulled, table)
-        for _ in range(4000):
-            engine.run(1)
+        for _ in range(400):
+            engine.run(5)
             impulse = engine.diagnostics()["impulse_fixed_x"]
-            largest, last = max(largest, abs(impulse - last) / PULL.time_step), impulse
+            largest, last = max(largest, abs(impulse - last) / (5 * PULL.time_step)), impulse
             if len(engine.bonds()["id_lo"]) == 0:
                 return largest
     raise AssertionError("the bond does not break")
@@ -52,8 +52,8 @@ def test_the_strength_of_a_frozen_crack_grows_with_its_ice(tmp_path: Path) -> No
         grown = thicken(table, pair, winter, COLD, days * DAY)
         thickness = math.sqrt(COLD.thickness**2 + COLD.growth * 20.0 * days * DAY)
         bears.append(strength(pair, grown, tmp_path / "log"))
-        # Within the step of 2e-4 m, of 0.2 m at which it breaks.
-        assert bears[-1] == pytest.approx(1e5 * thickness * length, rel=3e-3)
+        # Within 1e-3 m, the way between two looks, of 0.2 m at which it breaks.
+        assert bears[-1] == pytest.approx(1e5 * thickness * length, rel=1e-2)
     assert bears[0] < 0.4 * bears[1] < 0.2 * bears[2]
 
 
@@ -62,7 +62,7 @@ def test_a_cracked_part_bears_nothing_until_it_freezes_again(tmp_path: Path) -> 
     whole = bonded(pair)
     cracked = whole | {"crack_a": np.array([0.3]), "crack_b": np.array([0.2])}
     bears = strength(pair, whole, tmp_path / "log")
-    assert strength(pair, cracked, tmp_path / "log") == pytest.approx(0.5 * bears, rel=3e-3)
+    assert strength(pair, cracked, tmp_path / "log") == pytest.approx(0.5 * bears, rel=1e-2)
     # By 1/e in a third of the time in which 0.3 m of ice grows, and in the end to nothing.
     time = 0.09 / (COLD.growth * 20.0) / 3
     later = heal(cracked, pair, winter, COLD, time, PULL)
@@ -70,10 +70,10 @@ def test_a_cracked_part_bears_nothing_until_it_freezes_again(tmp_path: Path) -> 
     assert later["crack_b"][0] == pytest.approx(0.2 / math.e)
     assert later["thickness"][0] == 0.3
     now = (1 - 0.5 / math.e) * bears
-    assert strength(pair, later, tmp_path / "log") == pytest.approx(now, rel=3e-3)
+    assert strength(pair, later, tmp_path / "log") == pytest.approx(now, rel=1e-2)
     closed = heal(cracked, pair, winter, COLD, 10 * time, PULL)
     assert closed["crack_a"][0] == closed["crack_b"][0] == 0.0
-    assert strength(pair, closed, tmp_path / "log") == pytest.approx(bears, rel=3e-3)
+    assert strength(pair, closed, tmp_path / "log") == pytest.approx(bears, rel=1e-2)
     same = heal(cracked, pair, summer, replace(COLD, freezing_point=270.0), time, PULL)
     for name in same:
         np.testing.assert_array_equal(same[name], cracked[name], name)
