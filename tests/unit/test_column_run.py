@@ -103,6 +103,7 @@ def test_the_nearest_point_of_a_grid_is_taken(forcing: Path, tmp_path: Path):
     there = asked(tmp_path / "grid.nc", "--lon", "-12", "--lat", "81")
     here = asked(forcing)
     ours, theirs = (forcing_of(each, settings_of(each))(1e5) for each in (there, here))
+    assert -1.0 < ours.pop("sun_height")[0] < 0.0  # the night of the second of January
     assert ours == theirs
     with pytest.raises(FloeError, match="'l[a-z]+' has 2 values: name the place by --lon and"):
         nowhere = asked(tmp_path / "grid.nc")
