@@ -35,6 +35,12 @@ PREFIX_UNITS = {
     "water_": "kg",
     "salt_": "kg",
     "pond_": "m3",
+    "remap_momentum_": "kg m s-1",
+    "remap_energy": "J",
+    "remap_": "1",
+    "merge_momentum_": "kg m s-1",
+    "merge_energy": "J",
+    "merge_": "1",
     "wall_force_": "N",
 }
 

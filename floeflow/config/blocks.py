@@ -295,6 +295,23 @@ class Column(Block):
     )
 
 
+class Remap(Block):
+    """When distorted elements are replaced by fresh ones (effect remap)."""
+
+    every: int = key(0, "Remap at the end of every n-th window; 0: only by overlap.", ge=0)
+    overlap: float = key(
+        0.05, "Remap where elements overlap by more than this share of their area.", "1", ge=0
+    )
+
+
+class Merge(Block):
+    """When elements join their largest neighbour (effect merge)."""
+
+    radius: float = key(
+        0.5, "Elements of a radius under this share of the mean one are merged.", "1", gt=0, lt=1
+    )
+
+
 class Report(Block):
     """What the report shows."""
 
@@ -345,6 +362,8 @@ class Scene(Block):
     dynamics: Dynamics = key(Dynamics(), "Which mechanics.")
     walls: Walls = key(Walls(), "Which walls.")
     column: Column = key(Column(), "Which thermodynamics.")
+    remap: Remap = key(Remap(), "When elements are remapped.")
+    merge: Merge = key(Merge(), "When elements are merged.")
     report: Report = key(Report(), "Which report.")
     workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")
     _auto: bool = PrivateAttr(default=False)

@@ -14,7 +14,7 @@ import pytest
 
 from floeflow.config import load_scene
 from floeflow.effects import EFFECTS
-from floeflow.estimate.choose import OUTPUT, estimate, recommended
+from floeflow.estimate.choose import OUTPUT, SETTING, estimate, recommended
 from floeflow.estimate.conditions import Conditions, conditions
 from floeflow.estimate.cost import coefficients, sizes, stage_seconds
 from floeflow.estimate.drift import run_drift
@@ -139,7 +139,8 @@ def test_what_is_recommended_can_be_run(smoke: Conditions):
             assert row.name in chosen
         if row.name in chosen and row.name not in OUTPUT:
             assert row.advice == "needed" or any(row.name in EFFECTS[n].needs for n in chosen)
-    assert "trajectory_output" not in chosen
+    assert not {"trajectory_output", *SETTING} & set(chosen)
+    assert "walls" in recommended(rows, ("walls",))
 
 
 def test_cost_grows_with_elements_steps_and_effects(smoke: Conditions):
