@@ -176,12 +176,14 @@ def test_ice_that_enters_an_empty_cell_makes_an_element(case: tuple) -> None:
     assert (after["ice_fraction"].values[np.isin(after["id"], born)].sum(axis=1) > 0).all()
     # Ice, not area, decides: where all has melted the element goes, and its area is water.
     molten = after.copy(deep=True)
-    edge = np.flatnonzero(np.isin(after["id"], born))
+    line = float(np.median(after["x"].values))
     for name in ("ice_fraction", "ice_volume", "snow_volume"):
-        molten[name].values[edge] = 0.0
+        molten[name].values[after["x"].values > line] = 0.0
     gone = remapped(molten, cells)
     assert_kept(molten, gone)
-    assert len(np.intersect1d(gone["id"], born)) < len(born)
+    mobile = gone["type"].values == MOBILE
+    assert gone["x"].values[mobile].max() < line + 2 * spacing_of(cells)
+    assert 0 < mobile.sum() < (after["type"].values == MOBILE).sum() - 20
 
 
 def test_a_lead_inside_the_pack_is_given_to_elements(case: tuple) -> None:
