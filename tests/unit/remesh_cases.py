@@ -15,7 +15,7 @@ from floeflow.dynamics.remesh.transport import amounts
 from floeflow.preprocess import bonds, cells, initial, packing
 from floeflow.state.schema import MOBILE, VARIABLES
 
-EFFECTS = "friction, bonds, ridging, thermodynamics"
+EFFECTS = "friction, bonds, ridging, thermodynamics, snow"
 
 
 def coast_case(
