@@ -237,3 +237,22 @@ def test_fast_ice_stays_frozen_to_the_coast() -> None:
     assert ashore(after).sum() > 0.9 * ashore(state).sum() > 20
     free = remapped(state.isel(bond=np.flatnonzero(~ashore(state))), cells)
     assert not ashore(free).any()
+
+
+def test_layers_of_all_categories_and_the_sea_are_carried() -> None:
+    more = "column: {scheme: mushy, categories: 5}\n"
+    state, cells = coast_case(more=more)
+    random = np.random.default_rng(6)
+    layered = [n for n in state if n.startswith(("ice_", "snow_")) and state[n].ndim == 3]
+    assert {"ice_enthalpy", "ice_salinity", "snow_enthalpy"} <= set(layered)
+    for name in layered:
+        state[name].values[:] *= 1.0 + 0.1 * random.random(state[name].shape)
+    moved = jiggled(state, 0.3 * spacing_of(cells))
+    after = remapped(moved, cells)
+    check_state(after)
+    assert_kept(moved, after)
+    for name in layered:
+        rows = [s["type"].values == MOBILE for s in (moved, after)]
+        old, new = (s[name].values[row] for s, row in zip((moved, after), rows, strict=True))
+        assert new.min() >= old.min() - 1e-9 * np.abs(old).max(), name
+        assert new.max() <= old.max() + 1e-9 * np.abs(old).max(), name
