@@ -68,10 +68,11 @@ def _element(
     high: float = np.inf,
     of: str = "",
     extensive: bool = False,
+    per: str = "",
 ) -> Variable:
     kind: Literal["", "extensive", "intensive"] = "intensive" if of else ""
     kind = "extensive" if extensive else kind
-    return Variable(("element",), "float64", units, text, low, high, kind, of)
+    return Variable(("element",), "float64", units, text, low, high, kind, of, per)
 
 
 def _column(
@@ -157,7 +158,11 @@ VARIABLES: dict[str, Variable] = {
     "lid_share": _column("1", "share of the surface's heat that melted lids", of="ice_fraction"),
     "sea_temperature": _element("K", "temperature of the mixed layer", 255, 330, of="area"),
     "pending_freeze": _element(
-        "J m-2", "heat that the mixed layer lacks and of which ice will be made", 0, of="area"
+        "J m-2",
+        "heat that the mixed layer lacks and of which ice will be made",
+        0,
+        of="area",
+        per="area",
     ),
     "cell_corners": Variable(("element",), "int64", "1", "corners of the element's outline", 0),
     "drift_x": _element("m", "net displacement of the ice since the start", of="area"),
