@@ -76,13 +76,13 @@ def advance_window(
     start = float(state.attrs["time"])
     end = start + scene.time.window
     budget = volumes(state, "start")
-    touched = pair_arrays(state, "contact")
+    touched, area = pair_arrays(state, "contact"), state["area"].values
     motion = move(comm, scene, state, forcing, log, report)
     state = motion.state
     budget |= volumes(state, "dynamics")
     began, used = time.perf_counter(), time.process_time()
     if "thermodynamics" in scene.effects:
-        state, terms = advance_columns(comm, scene, state, forcing, (start, end))
+        state, terms = advance_columns(comm, scene, state, forcing, (start, end), area)
         budget |= terms
         state = thin_bonds(state)
     if "refreeze" in scene.effects:

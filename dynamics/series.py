@@ -32,6 +32,8 @@ PREFIX_UNITS = {
     "growth_": "m3",
     "snow_": "m3",
     "energy_": "J",
+    "water_": "kg",
+    "salt_": "kg",
     "wall_force_": "N",
 }
 

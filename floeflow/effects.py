@@ -184,24 +184,70 @@ _REGISTERED = (
     ),
     Effect(
         name="thermodynamics",
-        physics="Growth and melt of ice and snow in each element's column between windows.",
-        source="Semtner 1976 (zero-layer)",
-        column=("vertical", "snow", "new_ice"),
+        physics="Ice conducts heat, grows at its bottom and melts at both sides, between windows.",
+        source="Semtner 1976; Bitz & Lipscomb 1999; Turner, Hunke & Bitz 2013",
+        column=("vertical",),
         forcing=(
             "wind_u",
             "wind_v",
             "air_temperature",
             "specific_humidity",
             "air_pressure",
-            "shortwave_down",
             "longwave_down",
-            "snowfall",
             "ocean_heat_flux",
         ),
-        state=("snow_volume", "surface_temperature"),
-        output=("sisnthick",),
+        state=("surface_temperature", "ice_enthalpy", "ice_salinity"),
         diagnostics=("ice_growth",),
-        figures=("series_snow", "budget_column_energy", "budget_snow_volume"),
+        figures=("budget_column",),
+    ),
+    Effect(
+        name="snow",
+        physics="Snow falls on the ice, insulates, brightens, melts, and floods.",
+        source="Maykut & Untersteiner 1971; Hunke et al. 2015",
+        needs=("thermodynamics",),
+        column=("snow",),
+        forcing=("snowfall",),
+        state=("snow_volume", "snow_enthalpy"),
+        output=("sisnthick",),
+        diagnostics=("snow_volume",),
+        figures=("series_snow", "budget_snow_volume"),
+    ),
+    Effect(
+        name="shortwave",
+        physics="The sun warms ice, snow and leads, with albedo and, in layers, light inside.",
+        source="Briegleb et al. 2004 (CCSM3)",
+        needs=("thermodynamics",),
+        column=("shortwave",),
+        forcing=("shortwave_down",),
+    ),
+    Effect(
+        name="lateral_melt",
+        physics="Warm water melts the sides of floes: area goes, thickness stays.",
+        source="Maykut & Perovich 1987; Steele 1992",
+        needs=("thermodynamics",),
+        column=("lateral_melt",),
+    ),
+    Effect(
+        name="frazil",
+        physics="Open water that loses heat at its freezing point makes new ice.",
+        source="Hibler 1979; Hunke et al. 2015",
+        needs=("thermodynamics",),
+        column=("frazil",),
+    ),
+    Effect(
+        name="mixed_layer",
+        physics="A slab of sea under each element stores heat: water cools before it freezes.",
+        source="Hunke et al. 2015; Maykut & McPhee 1995",
+        needs=("thermodynamics",),
+        column=("mixed_layer",),
+        state=("sea_temperature", "pending_freeze"),
+    ),
+    Effect(
+        name="redistribution",
+        physics="Ridging takes thin ice first and piles it up in thick categories.",
+        source="Thorndike et al. 1975; Hibler 1980; Lipscomb et al. 2007",
+        needs=("ridging", "thermodynamics"),
+        column=("redistribution",),
     ),
     Effect(
         name="grid_output",
@@ -219,6 +265,13 @@ _REGISTERED = (
 )
 
 EFFECTS: dict[str, Effect] = {effect.name: effect for effect in _REGISTERED}
+
+# Variables that only some column schemes have; the others of an effect come with every scheme.
+SCHEME_STATE: dict[str, tuple[str, ...]] = {
+    "ice_enthalpy": ("bl99", "mushy"),
+    "snow_enthalpy": ("bl99", "mushy"),
+    "ice_salinity": ("mushy",),
+}
 
 
 def check_effects(names: Iterable[str]) -> tuple[str, ...]:
@@ -259,8 +312,8 @@ def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
     return _collect("forcing", names)
 
 
-def state_variables(names: Iterable[str]) -> tuple[str, ...]:
-    """Variables that these effects add to the state."""
+def state_variables(names: Iterable[str], scheme: str = "zero_layer") -> tuple[str, ...]:
+    """Variables that these effects add to the state under a column scheme."""
     names = tuple(names)
     both = (
         variable
@@ -269,7 +322,8 @@ def state_variables(names: Iterable[str]) -> tuple[str, ...]:
         if other in names
         for variable in variables
     )
-    return tuple(dict.fromkeys((*_collect("state", names), *both)))
+    found = dict.fromkeys((*_collect("state", names), *both))
+    return tuple(name for name in found if scheme in SCHEME_STATE.get(name, (scheme,)))
 
 
 def output_variables(names: Iterable[str]) -> tuple[str, ...]:
@@ -280,6 +334,29 @@ def output_variables(names: Iterable[str]) -> tuple[str, ...]:
 def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
     """Series that these effects add to the diagnostics."""
     return _collect("diagnostics", names)
+
+
+# Every column has these; its effects add the others.
+_COLUMN_STATE = ("ice_fraction", "ice_volume")
+
+
+def _column_effects(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(name for name in names if EFFECTS[name].column)
+
+
+def column_processes(names: Iterable[str]) -> tuple[str, ...]:
+    """Processes that these effects add to the column."""
+    return _collect("column", names)
+
+
+def column_variables(names: Iterable[str], scheme: str) -> tuple[str, ...]:
+    """Variables of the state that a column reads and writes under these effects."""
+    return _COLUMN_STATE + state_variables(_column_effects(names), scheme)
+
+
+def column_forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
+    """Forcing variables that the columns read under these effects."""
+    return forcing_variables(_column_effects(names))
 
 
 if __name__ == "__main__":

@@ -161,7 +161,7 @@ def summarise_states(
     tuple of xarray.Dataset and list of dict
         On ``boundary``: ``boundary_time`` (s), ``ice_area`` (m2), ``ice_volume`` (m3),
         ``mean_displacement`` and ``largest_displacement`` since the start (m), ``elements``,
-        ``coast_elements``, ``ocean_area`` and ``unclaimed_water`` (m2), with thermodynamics
+        ``coast_elements``, ``ocean_area`` and ``unclaimed_water`` (m2), with snow
         ``snow_volume`` (m3), with bonds ``bonds`` and ``bonds_broken`` since the start; and each
         state's window and checksum.
     """
@@ -173,7 +173,7 @@ def summarise_states(
         state = read_state(window_file(folder, window, ".nc"))
         first = state if first is None else first
         row = _totals(first, state)
-        if "thermodynamics" in effects:
+        if "snow" in effects:
             row["snow_volume"] = _volume(state, "snow_volume")
         if "bonds" in effects:
             now = intact(state)

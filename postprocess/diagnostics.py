@@ -20,7 +20,7 @@ from floeflow import stage
 from floeflow.errors import FloeError
 from floeflow.postprocess.budgets import (
     Budget,
-    column_energy_budget,
+    column_budgets,
     dem_energy_budget,
     grid_budget,
     ice_volume_budgets,
@@ -97,9 +97,10 @@ def close_budgets(
     """
     found = [momentum_budget(scalars, axis) for axis in "xy"]
     found += ice_volume_budgets(scalars, boundaries["ice_volume"].values)
-    if "thermodynamics" in effects:
+    if "snow" in effects:
         found.append(snow_volume_budget(scalars, boundaries["snow_volume"].values))
-        found.append(column_energy_budget(scalars))
+    if "thermodynamics" in effects:
+        found += column_budgets(scalars)
     kinetic, elastic = (
         change_over_windows(samples, name, scalars["window"].values)
         for name in ("kinetic_energy", "elastic_energy")

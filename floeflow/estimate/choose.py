@@ -145,6 +145,8 @@ def choose(scene: Scene) -> tuple[str, ...]:
     c = conditions(scene)
     default = type(scene).model_fields["effects"].default
     possible = [name for name in EFFECTS if _has_forcing(scene, name)]
+    if scene.column.categories < 2:
+        possible.remove("redistribution")
     rows = estimate(c, scene, possible, coefficients())
     return recommended([row for row in rows if row.name in possible], default)
 

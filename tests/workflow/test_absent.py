@@ -25,11 +25,13 @@ from floeflow.state.schema import expected_variables
 pytestmark = pytest.mark.workflow
 
 BARE = ("wind",)
+# The scheme with the most variables, and categories for the redistribution.
+COLUMN = {"scheme": "mushy", "categories": 2}
 
 
 def planned_rules(place: Place, effects: tuple[str, ...]) -> set[str]:
     """Rules that `snakemake -n` would run."""
-    done = place.run(place.scene(effects=list(effects), time={"windows": 1}), "-n")
+    done = place.run(place.scene(effects=list(effects), time={"windows": 1}, column=COLUMN), "-n")
     assert done.returncode == 0, done.stdout
     table = re.search(r"Job stats:\njob +count\n[- ]+\n(.*?)\n\n", done.stdout, re.S)
     assert table is not None
@@ -44,7 +46,7 @@ def figures(results: Path) -> set[str]:
 
 def run_with(folder: Path, effects: tuple[str, ...]) -> Done:
     place = make_place(folder / "place")
-    scene = place.scene(effects=list(effects), time={"windows": 1})
+    scene = place.scene(effects=list(effects), time={"windows": 1}, column=COLUMN)
     done = place.run(scene, ranks=1)
     assert done.returncode == 0, done.stdout
     return Done(place, scene, done.stdout)
@@ -88,7 +90,7 @@ def test_the_state_holds_what_the_effects_name(bare: Done, full: Done):
     for run in (bare, full):
         state = read_state(run.results / "state/0001.nc")
         assert set(map(str, state.variables)) == set(
-            expected_variables(load_scene(run.scene).effects)
+            expected_variables(load_scene(run.scene).effects, "mushy")
         )
     bare_names = set(map(str, read_state(bare.results / "state/0001.nc").variables))
     for effect in EFFECTS.values():
