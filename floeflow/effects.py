@@ -51,6 +51,8 @@ class Effect:
         Rules it adds to the workflow.
     figures : tuple of str
         How the names of the figures begin that it adds to the report.
+    excludes : tuple of str
+        Effects beside which it makes no sense.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Effect:
     diagnostics: tuple[str, ...] = ()
     rules: tuple[str, ...] = ()
     figures: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
 
 
 _BOND_STATE = (
@@ -262,6 +265,22 @@ _REGISTERED = (
         source="LAMMPS dump format",
         rules=("trajectory_files",),
     ),
+    Effect(
+        name="remap",
+        physics="Distorted elements are replaced by fresh ones that hold the same, conservatively.",
+        source="Turner et al. 2022, GMD 15, 1953; Zalesak 1979; Levine & Peres 2009",
+        excludes=("merge", "walls"),
+        state=("cell_corners", "corner_x", "corner_y", "drift_x", "drift_y"),
+        diagnostics=("remap_done", "remap_overlap"),
+        rules=("cells",),
+    ),
+    Effect(
+        name="merge",
+        physics="Elements that became too small join their largest neighbour.",
+        source="Turner et al. 2018 (DEMSI)",
+        excludes=("remap",),
+        diagnostics=("merge_elements",),
+    ),
 )
 
 EFFECTS: dict[str, Effect] = {effect.name: effect for effect in _REGISTERED}
@@ -291,10 +310,23 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
             raise FloeError(f"effects: '{name}' is no effect; {hint}")
         if names.count(name) > 1:
             raise FloeError(f"effects: '{name}' is named twice")
+        for other in EFFECTS[name].excludes:
+            if other in names:
+                raise FloeError(f"effects: '{name}' and '{other}' exclude each other")
         for need in EFFECTS[name].needs:
             if need not in names:
                 raise FloeError(f"effects: '{name}' needs '{need}', which the scene does not name")
     return tuple(name for name in EFFECTS if name in names)
+
+
+def compatible(names: Iterable[str], first: str = "") -> tuple[str, ...]:
+    """Those effects, in the registry's order, that none before them excludes; ``first`` stays."""
+    names, kept = set(names), [first] if first else list[str]()
+    for name in EFFECTS:
+        clash = (other for other in kept if name in EFFECTS[other].excludes)
+        if name in names and not set(EFFECTS[name].excludes) & set(kept) and not any(clash):
+            kept.append(name)
+    return tuple(name for name in EFFECTS if name in kept)
 
 
 def _collect(field: str, names: Iterable[str]) -> tuple[str, ...]:

@@ -28,6 +28,7 @@ from floeflow.postprocess.budgets import (
     snow_volume_budget,
 )
 from floeflow.postprocess.collect import (
+    broken_by_motion,
     read_cost,
     read_series,
     summarise_grids,
@@ -252,6 +253,8 @@ def diagnose(
         raise FloeError(f"{folder}: there is no window to diagnose")
     samples, scalars = read_series(folder / "series", windows, effects)
     boundaries, states = summarise_states(folder / "state", windows, effects)
+    if "bonds_broken" in boundaries and {"remap", "merge"} & set(effects):
+        boundaries["bonds_broken"] = ("boundary", broken_by_motion(samples, windows))
     costs = read_cost(folder / "cost", windows)
     gridded = summarise_grids(sorted(grids)) if grids else xr.Dataset()
     budgets = close_budgets(samples, scalars, boundaries, gridded, effects)

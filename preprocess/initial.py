@@ -45,6 +45,13 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
         point, layers of the temperatures of steady conduction.
     """
     made = _columns(scene, packing) if "thermodynamics" in scene.effects else {}
+    # Outlines in the body frames; elements are not turned yet.
+    corners = np.diff(packing["cell_start"].values)
+    made |= {"cell_corners": corners}
+    for axis in ("x", "y"):
+        made[f"corner_{axis}"] = packing[f"cell_{axis}"].values - np.repeat(
+            packing[axis].values, corners
+        )
     made |= wall_variables(scene, packing) if "walls" in scene.effects else {}
     sizes = {"element": packing.sizes["element"], "category": packing.sizes["category"]}
     sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}

@@ -184,7 +184,7 @@ class Time(Block):
 class Dynamics(Block):
     """The discrete element model."""
 
-    step_share: float = key(0.4, "Time step as a share of the critical one.", "1", gt=0, le=1)
+    step_share: float = key(0.65, "Time step as a share of the critical one.", "1", gt=0, le=1)
     young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", gt=0)
     poisson_ratio: float = key(0.3, "Poisson's ratio of the ice.", "1", ge=0, lt=0.5)
     contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", gt=0)
@@ -292,6 +292,23 @@ class Column(Block):
     )
 
 
+class Remap(Block):
+    """When distorted elements are replaced by fresh ones (effect remap)."""
+
+    every: int = key(0, "Remap at the end of every n-th window; 0: only by overlap.", ge=0)
+    overlap: float = key(
+        0.05, "Remap where elements overlap by more than this share of their area.", "1", ge=0
+    )
+
+
+class Merge(Block):
+    """When elements join their largest neighbour (effect merge)."""
+
+    radius: float = key(
+        0.5, "Elements of a radius under this share of the mean one are merged.", "1", gt=0, lt=1
+    )
+
+
 class Report(Block):
     """What the report shows."""
 
@@ -342,6 +359,8 @@ class Scene(Block):
     dynamics: Dynamics = key(Dynamics(), "Which mechanics.")
     walls: Walls = key(Walls(), "Which walls.")
     column: Column = key(Column(), "Which thermodynamics.")
+    remap: Remap = key(Remap(), "When elements are remapped.")
+    merge: Merge = key(Merge(), "When elements are merged.")
     report: Report = key(Report(), "Which report.")
     workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")
     _auto: bool = PrivateAttr(default=False)

@@ -35,6 +35,8 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
         "walls",
     ),
     "dynamics": ("effects", "dynamics", "time.window", "packing.coast_bonds"),
+    "cells": ("seed",),
+    "cure": ("remap", "merge", "packing.bond_gap"),
     "column": ("effects", "column", "time.window"),
     "grid": ("domain", "effects", "time.start", "time.window"),
     "diagnostics": ("effects",),

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from floeflow.effects import EFFECTS, check_effects
+from floeflow.effects import EFFECTS, check_effects, compatible
 from floeflow.errors import FloeError
 from floeflow.estimate.conditions import Conditions, conditions
 from floeflow.estimate.cost import Coefficients, coefficients, cost_share
@@ -137,7 +137,7 @@ def recommended(rows: Iterable[Estimate], defaults: Iterable[str]) -> tuple[str,
     wanted |= set(OUTPUT + SETTING) & set(defaults)
     while missing := {need for name in wanted for need in EFFECTS[name].needs} - wanted:
         wanted |= missing
-    return check_effects(sorted(wanted))
+    return check_effects(compatible(wanted))
 
 
 def choose(scene: Scene) -> tuple[str, ...]:

@@ -42,7 +42,8 @@ class Variable:
         thickness (ice_volume of ice_fraction) among them.
     per : str
         By which amount a value has to be multiplied to give this variable's amount; ``of``, if
-        empty. Volumes are of the ice, but are kept per effective area.
+        empty. Volumes are of the ice, but are kept per effective area: with ``area`` here a value
+        falls where an element's area grows by open water.
     """
 
     dims: tuple[str, ...]
@@ -83,6 +84,10 @@ def _column(
 def _layers(material: str, units: str, text: str, of: str, low: float, high: float) -> Variable:
     dims = ("element", "category", f"{material}_layer")
     return Variable(dims, "float64", units, text, low, high, "intensive", of)
+
+
+def _corner(text: str) -> Variable:
+    return Variable(("corner",), "float64", "m", text)
 
 
 def _bond(units: str, text: str, low: float = -np.inf, high: float = np.inf) -> Variable:
@@ -143,6 +148,11 @@ VARIABLES: dict[str, Variable] = {
     "pending_freeze": _element(
         "J m-2", "heat that the mixed layer lacks and of which ice will be made", 0, of="area"
     ),
+    "cell_corners": Variable(("element",), "int64", "1", "corners of the element's outline", 0),
+    "drift_x": _element("m", "net displacement of the ice since the start", of="area"),
+    "drift_y": _element("m", "net displacement of the ice since the start", of="area"),
+    "corner_x": _corner("corner of an outline, element after element, in its body frame"),
+    "corner_y": _corner("corner of an outline, element after element, in its body frame"),
     "bond_id_lo": Variable(("bond",), "int64", "1", "lower id of the bonded pair", 1),
     "bond_id_hi": Variable(("bond",), "int64", "1", "higher id of the bonded pair", 1),
     "bond_length": _bond("m", "length of the glue line", 0),
@@ -246,6 +256,8 @@ def check_state(state: xr.Dataset) -> None:
         if extra not in expected:
             raise FloeError(f"variable '{extra}' is not of this scene's effects")
     _check_order(state)
+    if "cell_corners" in state and int(state["cell_corners"].sum()) != state.sizes["corner"]:
+        raise FloeError("the elements' numbers of corners do not add up to the corners")
 
 
 def _check_variable(name: str, array: xr.DataArray) -> None:
