@@ -54,17 +54,33 @@ def knobs(scene: Scene) -> list[Knob]:
         # Zero-layer ice has none.
         if scene.column.scheme != SCHEMES[-1]:
             found.append(_layers(scene))
+    if "remap" in scene.effects:
+        found.append(_remap(scene))
     return found
+
+
+def _remap(scene: Scene) -> Knob:
+    """How often elements are replaced by fresh ones."""
+    every = max(1, scene.remap.every)
+
+    def changes(level: float) -> Changes:
+        return {"remap.every": round(every * level)}
+
+    fine = [1.0 / n for n in (4, 2) if every % n == 0]
+    coarse = [float(n) for n in (2, 4) if n * every <= scene.time.windows]
+    text = "windows between remaps"
+    return Knob("remap_interval", text, None, (*fine, 1.0, *coarse), changes)
 
 
 def _step(scene: Scene) -> Knob:
     share = scene.dynamics.step_share
 
     def changes(level: float) -> Changes:
-        return {"dynamics.step_share": min(1.0, share * level)}
+        return {"dynamics.step_share": share * level}
 
     text = "time step, share of the critical one"
-    return Knob("step_share", text, 1.0, (0.125, 0.25, 0.5, 1.0, 2.0), changes)
+    coarse = [1.0 / share] if share < 1.0 else []
+    return Knob("step_share", text, 1.0, (0.125, 0.25, 0.5, 1.0, *coarse), changes)
 
 
 def _stiffness(scene: Scene) -> Knob:
