@@ -55,17 +55,33 @@ def pack(count: int, seed: int = 0) -> tuple[Array, Array, Grid]:
     return x[order], y[order], Grid(centres, centres)
 
 
-def timed(work: Callable[[], object]) -> float:
-    """Wall seconds of a call."""
-    start = time.perf_counter()
+def timed(work: Callable[[], object]) -> tuple[float, float]:
+    """Wall and processor seconds of a call."""
+    start = time.perf_counter(), time.thread_time()
     work()
-    return time.perf_counter() - start
+    return time.perf_counter() - start[0], time.thread_time() - start[1]
 
 
-def in_turn(repeats: int, *works: Callable[[], object]) -> list[list[float]]:
-    """Wall seconds of calls that take turns, one list for each."""
-    rows = [[timed(work) for work in works] for _ in range(repeats)]
-    return [list(column) for column in zip(*rows, strict=True)]
+def beside(
+    name: str,
+    count: int,
+    repeats: int,
+    work: Callable[[], object],
+    peer: str = "",
+    other: Callable[[], object] | None = None,
+    **extra: float,
+) -> Record:
+    """Time a call, in turn with its peer if it has one."""
+    own, peers = [], []
+    for _ in range(repeats):
+        own.append(timed(work))
+        if other is not None:
+            peers.append(timed(other))
+    wall, cpu = zip(*own, strict=True)
+    more = {"cpu_seconds": min(cpu), **extra}
+    if peers:
+        more["peer_cpu_seconds"] = min(cpu for _, cpu in peers)
+    return Record(f"remap/{name}", count, 1, list(wall), peer, [w for w, _ in peers], more)
 
 
 def _memory(weights: Weights, x: Array, y: Array) -> dict[str, float]:
@@ -87,20 +103,25 @@ def elements_to_grid(count: int, repeats: int) -> list[Record]:
     node = np.repeat(np.arange(nodes), np.diff(matrix.indptr))
     shares = matrix.data * field[matrix.indices]
     extra = {"per_cell": PER_CELL, **_memory(weights, x, y)}
-    many = max(repeats, 5)
-    own, peer = in_turn(
-        many, lambda: weights.apply(field), lambda: np.bincount(node, shares, nodes)
-    )
-    apply = Record("remap/apply", len(x), 1, own, "numpy.bincount", peer, extra)
-    build = [timed(lambda: build_weights(x, y, area, grid)) for _ in range(repeats)]
     places = np.stack([x, y], axis=1), np.stack(grid.places(), axis=1)
-    own, peer = in_turn(
-        repeats if count <= PATIENCE else 1,
-        lambda: build_weights(x, y, area, grid).apply(field),
-        lambda: griddata(places[0], field, places[1], method="linear"),
-    )
-    both = Record("remap/build_apply", len(x), 1, own, "scipy griddata(linear)", peer, extra)
-    return [Record("remap/build", len(x), 1, build, extra=extra), apply, both]
+
+    def build() -> Weights:
+        return build_weights(x, y, area, grid)
+
+    return [
+        beside("build", len(x), repeats, build, **extra),
+        beside(
+            *("apply", len(x), max(repeats, 5), lambda: weights.apply(field)),
+            *("numpy.bincount", lambda: np.bincount(node, shares, nodes)),
+            **extra,
+        ),
+        beside(
+            *("build_apply", len(x), repeats if count <= PATIENCE else 1),
+            *(lambda: build().apply(field), "scipy griddata(linear)"),
+            lambda: griddata(places[0], field, places[1], method="linear"),
+            **extra,
+        ),
+    ]
 
 
 def hierarchy(count: int, repeats: int) -> list[Record]:
@@ -112,8 +133,12 @@ def hierarchy(count: int, repeats: int) -> list[Record]:
     values = {"area": area, "ice": ice, "volume": ice * (1.0 + x)}
     parents = {name: values[name] for name in ("area", "ice")}
     remapper = build_remapper(x, y, parents, open_room(grid))
-    seconds = [timed(lambda: carry(FIELDS, values, remapper)) for _ in range(repeats)]
-    return [Record("remap/carry", len(x), 1, seconds, extra={"fields": len(FIELDS)})]
+    return [
+        beside(
+            *("carry", len(x), repeats, lambda: carry(FIELDS, values, remapper)),
+            fields=len(FIELDS),
+        )
+    ]
 
 
 def correction(count: int, repeats: int) -> list[Record]:
@@ -124,25 +149,25 @@ def correction(count: int, repeats: int) -> list[Record]:
     high = low + rng.uniform(0.0, 2.0, count)
     weight = rng.uniform(0.1, 2.0, count)
     total = float(weight @ (0.4 * low + 0.6 * high))
-    own, peer = in_turn(
-        repeats,
-        lambda: nearest_bounded(target, low, high, weight, total),
-        lambda: np.sort(target),
-    )
-    return [Record("remap/bounded", count, 1, own, "numpy.sort", peer)]
+    return [
+        beside(
+            *("bounded", count, repeats),
+            lambda: nearest_bounded(target, low, high, weight, total),
+            *("numpy.sort", lambda: np.sort(target)),
+        )
+    ]
 
 
 def grid_to_elements(count: int, repeats: int) -> list[Record]:
     """Sampling at the centres and giving back."""
     x, y, grid = pack(count)
     field = np.add.outer(grid.y, np.sin(grid.x))
-    build = [timed(lambda: build_sampler(x, y, grid)) for _ in range(repeats)]
-    sampler = build_sampler(x, y, grid)
-    force = np.cos(x)
-    at = [timed(lambda: sampler.at(field)) for _ in range(repeats)]
-    back = [timed(lambda: sampler.give_back(force)) for _ in range(repeats)]
-    named = (("sampler_build", build), ("sample", at), ("give_back", back))
-    return [Record(f"remap/{name}", len(x), 1, seconds) for name, seconds in named]
+    sampler, force = build_sampler(x, y, grid), np.cos(x)
+    return [
+        beside("sampler_build", len(x), repeats, lambda: build_sampler(x, y, grid)),
+        beside("sample", len(x), repeats, lambda: sampler.at(field)),
+        beside("give_back", len(x), repeats, lambda: sampler.give_back(force)),
+    ]
 
 
 # Cases of the benchmark: each takes a number of elements and of repeats, and returns records.
@@ -155,16 +180,20 @@ CASES: list[Callable[[int, int], list[Record]]] = [
 
 
 def growth(records: list[Record]) -> list[str]:
-    """How the time of each case grows with its size, beside N log N, from smallest to largest."""
+    """How the processor time of each case grows from its smallest to its largest size."""
     lines = []
     for name in dict.fromkeys(record.name for record in records):
         same = sorted((r for r in records if r.name == name), key=lambda r: r.n)
         a, b = same[0], same[-1]
         if b.n > a.n:
             linear = b.n * np.log(b.n) / (a.n * np.log(a.n))
-            own = min(b.seconds) / min(a.seconds)
-            lines.append(f"{name}: {b.n / a.n:.0f} x the elements, {own:.0f} x the time "
-                         f"(N log N: {linear:.0f} x)")  # fmt: skip
+            keys = [k for k in ("cpu_seconds", "peer_cpu_seconds") if k in a.extra]
+            own, *peer = (b.extra[key] / a.extra[key] for key in keys)
+            besides = f", {b.peer}: {peer[0]:.0f} x" if peer else ""
+            lines.append(
+                f"{name}: {b.n / a.n:.0f} x the elements, {own:.0f} x the time "
+                f"(N log N: {linear:.0f} x{besides})"
+            )
     return lines
 
 
@@ -182,8 +211,8 @@ def main() -> None:
     write_records(records, options.out)
     for record in records:
         ratio = record.ratio_median
-        beside = f", {ratio:6.2f} x the speed of {record.peer}" if ratio is not None else ""
-        print(f"{record.name:20s} {record.n:8d}: {min(record.seconds):.5f} s{beside}")
+        peer = f", {ratio:6.2f} x the speed of {record.peer}" if ratio is not None else ""
+        print(f"{record.name:20s} {record.n:8d}: {min(record.seconds):.5f} s{peer}")
     print("\n".join(growth(records)))
 
 

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from scipy.spatial import cKDTree
 
 from floeflow.dynamics.bondtable import Arrays, element_rows
 from floeflow.dynamics.elements import element_arrays
 from floeflow.errors import FloeError
 from floeflow.state.schema import COAST
 
+# Neighbours whose discs are no further apart than this share of their radii's sum keep their gaps.
+NEAR = 0.05
 # Per effective area, so that they grow as it shrinks.
 _VOLUMES = ("ice_volume", "snow_volume")
 
@@ -77,17 +80,54 @@ def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarra
 
 
 def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:
-    """Let contacts keep their elastic forces; those that are open and apart are forgotten."""
+    """Let contacts keep their elastic forces, and gaps between neighbours their widths.
+
+    A ridge takes ice from one side of an element, its disc shrinks on all: what lies on the other
+    sides must not be further off for that. Pairs that are open and apart are forgotten.
+    """
+    state = _with_neighbours(state, before, after)
     ids = before["id"]
     lo, hi = (element_rows(ids, state[f"contact_id_{end}"].values) for end in ("lo", "hi"))
     distance = np.hypot(before["x"][hi] - before["x"][lo], before["y"][hi] - before["y"][lo])
-    overlap, now = (r[lo] + r[hi] - distance for r in (before["radius"], after["radius"]))
-    elastic = overlap - state["contact_rest_overlap"].values
+    reach, shrunk = (r[lo] + r[hi] for r in (before["radius"], after["radius"]))
+    elastic = reach - distance - state["contact_rest_overlap"].values
     # Thicker ice is stiffer: less overlap holds the same force. A gap stays as wide as it is.
     softer = contact_share(before, lo, hi) / contact_share(after, lo, hi)
     elastic = np.where(elastic > 0, elastic * softer, elastic)
+    rest = shrunk - distance - elastic
     shifted = state.assign(
-        contact_rest_overlap=("contact", now - elastic),
+        contact_rest_overlap=("contact", rest),
         contact_slip=("contact", state["contact_slip"].values * softer),
     )
-    return shifted.isel(contact=np.flatnonzero((elastic > 0) | (now > 0)))
+    # What is open and has built no ridge starts anew, with the ice of then, where it touches.
+    anew = (elastic <= 0) & (state["contact_ridge_closing"].values == 0)
+    for name in ("contact_ridge_thickness", "contact_ridge_length"):
+        shifted[name] = ("contact", np.where(anew, 0.0, state[name].values))
+    near = (rest < 0) & (elastic > -NEAR * reach)
+    return shifted.isel(contact=np.flatnonzero((elastic > 0) | (shrunk > distance) | near))
+
+
+def _with_neighbours(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:
+    """State whose contacts include the open pairs beside elements that became smaller."""
+    ids, radius, fixed = before["id"], before["radius"], before["type"] == COAST
+    smaller = after["radius"] < radius
+    places = np.column_stack([before["x"], before["y"]])
+    widest = 2 * (1 + NEAR) * float(radius.max(initial=0.0))
+    pairs = cKDTree(places).query_pairs(widest, output_type="ndarray").reshape(-1, 2)
+    lo, hi = np.sort(pairs, axis=1).T
+    reach = radius[lo] + radius[hi]
+    gap = np.hypot(*(places[hi] - places[lo]).T) - reach
+    near = (gap >= 0) & (gap < NEAR * reach) & (smaller[lo] | smaller[hi])
+    near &= ~(fixed[lo] & fixed[hi])
+    for kind in ("bond", "contact"):
+        if f"{kind}_id_lo" in state:
+            one, two = (element_rows(ids, state[f"{kind}_id_{e}"].values) for e in ("lo", "hi"))
+            near &= ~np.isin(lo * len(ids) + hi, one * len(ids) + two)
+    names = [str(name) for name in state.variables if str(name).startswith("contact_")]
+    fresh = {name: np.zeros(near.sum(), state[name].dtype) for name in names}
+    fresh |= {"contact_id_lo": ids[lo[near]], "contact_id_hi": ids[hi[near]]}
+    table = {name: np.append(state[name].values, fresh[name]) for name in names}
+    order = np.lexsort((table["contact_id_hi"], table["contact_id_lo"]))
+    return state.drop_vars(names).assign(
+        {name: ("contact", values[order]) for name, values in table.items()}
+    )

@@ -37,7 +37,8 @@ bool PairFloe::across_gap(int number, double distance, double sum, bool advance)
   if (!((sum - distance) - row.rest <= 0.0)) return true;
   if (!advance) return false;
   row.slip = 0.0;
-  if (contacts_.ridges[number].closing == 0.0) forget_contact(number);
+  // With a rest overlap below 0 ice reaches further than its disc: it is remembered.
+  if (contacts_.ridges[number].closing == 0.0 && row.rest >= 0.0) forget_contact(number);
   return false;
 }
 
