@@ -3,6 +3,7 @@
 // One evaluation of all pairs: which touch, and which code takes them.
 #include "pair_floe.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "atom.h"
@@ -52,7 +53,14 @@ void PairFloe::gather() {
     bodies[i] = {x[i][0],     x[i][1],     v[i][0],     v[i][1],
                  omega[i][2], omega[i][0], omega[i][1], radius[i]};
   }
-  fix_->loads.assign(deterministic ? 2 * all : all, Load{});
+  std::vector<Load> &loads = fix_->loads;
+  if (current && fix_->loads_cleared && !deterministic) {
+    loads.resize(all);
+    std::fill(loads.begin() + own, loads.end(), Load{});
+  } else {
+    loads.assign(deterministic ? 2 * all : all, Load{});
+  }
+  fix_->loads_cleared = false;
   if (exact_losses) {
     fix_->damped_bond.assign(bonds ? all : 0, Load{});
     fix_->damped_contact.assign(all, Load{});

@@ -62,6 +62,7 @@ class FixFloeIntegrate : public Fix {
   // exact_losses only.
   std::vector<floe::Body> bodies;
   std::vector<floe::Load> loads, damped_bond, damped_contact;
+  bool loads_cleared;     // those of this rank's own elements, by the integrator
   floe::PairFloe *pairs;  // null with another pair style
   // No other fix sees forces or moves elements: the integrator takes the loads as they are and writes
   // the bodies of the next step, and LIGGGHTS' arrays of forces are not touched.
