@@ -137,6 +137,7 @@ def time_zero_layer(season: str, count: int, repeats: int) -> Record:
         snowfall=values["snowfall"],
         air_pressure=np.full(count, 1e5),
         ocean_heat_flux=values["deep_heat"],
+        friction_velocity=values["ocean_friction"],
     )
     thick = np.random.default_rng(2).uniform(0.1, 4.0, (count, 1))
     area = np.full((count, 1), 0.95)

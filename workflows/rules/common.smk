@@ -56,6 +56,13 @@ def bonds_input(wildcards):
     )
 
 
+def cells_input(wildcards):
+    """Fresh cells, where the scene remaps."""
+    return (
+        f"results/{wildcards.scene}/preprocess/cells.nc" if "remap" in EFFECTS else []
+    )
+
+
 def wall_mesh(wildcards):
     """Mesh of a wall, where the scene has one."""
     wanted = "walls" in EFFECTS and RUN.scene.walls.mesh
@@ -82,6 +89,8 @@ def stage_benchmarks(wildcards):
         stages.insert(0, "land")
     if bonds_input(wildcards):
         stages.insert(-2, "bonds")
+    if cells_input(wildcards):
+        stages.insert(-2, "cells")
     windows = [f"window/{window}" for window in RUN.ends]
     grids = [f"grid/{window}" for window in ["0000", *RUN.ends] if GRIDDED]
     forcing = [f"forcing/{window}" for window in RUN.windows]
