@@ -232,6 +232,13 @@ class Dynamics(Block):
     minimum_thickness: float = key(
         1.0e-3, "Elements with less ice than this move as if they had this much.", "m", gt=0, le=0.1
     )
+    deterministic: bool = key(
+        False,
+        "The same bits on any number of MPI ranks: forces add up without round-off, at some cost.",
+    )
+    exact_losses: bool = key(
+        False, "Losses of damping to second order in the step, for energy budgets, at some cost."
+    )
     samples: int = key(24, "Samples of the time series in a window.", ge=1, le=10_000)
 
 
@@ -276,6 +283,9 @@ class Column(Block):
         "Vertical thermodynamics: no heat stored, Bitz and Lipscomb 1999, or mush with salt.",
     )
     categories: int = key(1, "Thickness categories of each element.", ge=1, le=20)
+    light: Literal["ccsm3", "delta_eddington"] = key(
+        "ccsm3", "Light in snow and ice (bl99, mushy): of CCSM3, or of many directions."
+    )
     layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
     step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)
     new_ice_thickness: float = key(
