@@ -240,8 +240,7 @@ class Engine:
         return wall_forces(self._library, self._instance, self.comm, walls)
 
     def _pairs(self) -> tuple[Arrays, Arrays]:
-        columns = self.params.contact_columns
-        return get_pairs(self._library, self._instance, self.comm, columns)
+        return get_pairs(self._library, self._instance, self.comm, self.params.contact_columns)
 
     def diagnostics(self) -> dict[str, float]:
         """Sums over all ranks: energies and works (J), impulses (N s), counts.

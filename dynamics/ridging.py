@@ -15,6 +15,9 @@ from floeflow.dynamics.elements import element_arrays
 from floeflow.errors import FloeError
 from floeflow.state.schema import COAST
 
+# Ridges may overlap by this share of the smaller radius at a window's end; no disc shrinks below
+# the second share of the radius that its area gives.
+OVERLAP, SMALLEST = 0.03, 0.1
 # Per effective area, so that they grow as it shrinks.
 _VOLUMES = ("ice_volume", "snow_volume")
 
@@ -67,6 +70,8 @@ def close_areas(state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float)
     closed.attrs = {**state.attrs, "unclaimed_water": water}
     before = element_arrays(state, minimum_thickness)
     after = element_arrays(closed, minimum_thickness)
+    after["radius"] = closed["radius"].values - _crushed(closed, before, after)
+    closed["radius"] = ("element", after["radius"])
     return _shift_contacts(closed, before, after)
 
 
@@ -76,18 +81,51 @@ def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarra
     return np.asarray(a * b / (a + b))
 
 
-def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:
-    """Let contacts keep their elastic forces; those that are open and apart are forgotten."""
+def _crushed(state: xr.Dataset, before: Arrays, after: Arrays) -> np.ndarray:
+    """How much (m) each disc must shrink so that ridges overlap no more than `OVERLAP`, (n,).
+
+    A ridge takes ice from one side, a smaller disc takes it from all: where elements have ridged
+    far on one side, the disc is the largest that stands clear of its ridges. Its other contacts
+    reach across the gaps that it leaves.
+    """
+    lo, hi, elastic, _ = _elastic(state, before, after)
+    radius = after["radius"]
+    distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
+    over = radius[lo] + radius[hi] - distance - np.maximum(elastic, 0.0)
+    over = over - OVERLAP * np.minimum(radius[lo], radius[hi])
+    h, coast = after["thickness"], after["type"] == COAST
+    share = np.where(coast[lo], 0.0, np.where(coast[hi], 1.0, h[hi] / (h[lo] + h[hi])))
+    out = np.zeros(len(radius))
+    for row, part in ((lo, share), (hi, 1.0 - share)):
+        np.maximum.at(out, row, part * over)
+    return np.where(coast, 0.0, np.minimum(out, (1.0 - SMALLEST) * radius))
+
+
+def _elastic(
+    state: xr.Dataset, before: Arrays, after: Arrays
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rows of both elements of each contact, its elastic overlap (m) and old over new stiffness."""
     ids = before["id"]
     lo, hi = (element_rows(ids, state[f"contact_id_{end}"].values) for end in ("lo", "hi"))
     distance = np.hypot(before["x"][hi] - before["x"][lo], before["y"][hi] - before["y"][lo])
-    overlap, now = (r[lo] + r[hi] - distance for r in (before["radius"], after["radius"]))
+    overlap = before["radius"][lo] + before["radius"][hi] - distance
     elastic = overlap - state["contact_rest_overlap"].values
     # Thicker ice is stiffer: less overlap holds the same force. A gap stays as wide as it is.
     softer = contact_share(before, lo, hi) / contact_share(after, lo, hi)
-    elastic = np.where(elastic > 0, elastic * softer, elastic)
+    return lo, hi, np.where(elastic > 0, elastic * softer, elastic), softer
+
+
+def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:
+    """Let contacts keep their elastic forces; those that are open and apart are forgotten."""
+    lo, hi, elastic, softer = _elastic(state, before, after)
+    distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
+    now = after["radius"][lo] + after["radius"][hi] - distance
+    # What is in a ridge is no thinner than what a new contact would begin with.
+    thin = np.minimum(after["thickness"][lo], after["thickness"][hi])
+    ridge = state["contact_ridge_thickness"].values
     shifted = state.assign(
         contact_rest_overlap=("contact", now - elastic),
         contact_slip=("contact", state["contact_slip"].values * softer),
+        contact_ridge_thickness=("contact", np.where(ridge > 0, np.maximum(ridge, thin), ridge)),
     )
     return shifted.isel(contact=np.flatnonzero((elastic > 0) | (now > 0)))
