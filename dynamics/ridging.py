@@ -12,17 +12,20 @@ import xarray as xr
 
 from floeflow.dynamics.bondtable import Arrays, element_rows
 from floeflow.dynamics.elements import element_arrays
+from floeflow.dynamics.wallridges import shift_wall_contacts, wall_overlaps
 from floeflow.errors import FloeError
 from floeflow.state.schema import COAST
 
 # Ridges may overlap by this share of the smaller radius at a window's end; no disc shrinks below
-# the second share of the radius that its area gives.
+# the second share of the radius of a disc with its area.
 OVERLAP, SMALLEST = 0.03, 0.1
 # Per effective area, so that they grow as it shrinks.
 _VOLUMES = ("ice_volume", "snow_volume")
 
 
-def close_areas(state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float) -> xr.Dataset:
+def close_areas(
+    state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float, time: float = 0.0
+) -> xr.Dataset:
     """Take the area that was turned into ridges from the elements.
 
     Ice and leads of an element close in proportion (its ice fraction stays), ice and snow keep
@@ -37,6 +40,8 @@ def close_areas(state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float)
         Area turned into ridges, m2, in the order of the elements.
     minimum_thickness : float
         As in `element_arrays`, m.
+    time : float
+        At which walls, if there are any, are where they are, s.
 
     Returns
     -------
@@ -70,9 +75,11 @@ def close_areas(state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float)
     closed.attrs = {**state.attrs, "unclaimed_water": water}
     before = element_arrays(state, minimum_thickness)
     after = element_arrays(closed, minimum_thickness)
-    after["radius"] = closed["radius"].values - _crushed(closed, before, after)
+    after["radius"] = closed["radius"].values - _crushed(closed, before, after, time)
     closed["radius"] = ("element", after["radius"])
-    return _shift_contacts(closed, before, after)
+    closed = _shift_contacts(closed, before, after)
+    walled = "wall_contact_id" in closed
+    return shift_wall_contacts(closed, before, after, time) if walled else closed
 
 
 def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
@@ -81,7 +88,7 @@ def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarra
     return np.asarray(a * b / (a + b))
 
 
-def _crushed(state: xr.Dataset, before: Arrays, after: Arrays) -> np.ndarray:
+def _crushed(state: xr.Dataset, before: Arrays, after: Arrays, time: float) -> np.ndarray:
     """How much (m) each disc must shrink so that ridges overlap no more than `OVERLAP`, (n,).
 
     A ridge takes ice from one side, a smaller disc takes it from all: where elements have ridged
@@ -93,12 +100,20 @@ def _crushed(state: xr.Dataset, before: Arrays, after: Arrays) -> np.ndarray:
     distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
     over = radius[lo] + radius[hi] - distance - np.maximum(elastic, 0.0)
     over = over - OVERLAP * np.minimum(radius[lo], radius[hi])
+    # Overlap of other origin (a broken bond, a disc that the rim cuts) stays.
+    over = np.minimum(over, state["contact_ridge_closing"].values)
     h, coast = after["thickness"], after["type"] == COAST
     share = np.where(coast[lo], 0.0, np.where(coast[hi], 1.0, h[hi] / (h[lo] + h[hi])))
     out = np.zeros(len(radius))
     for row, part in ((lo, share), (hi, 1.0 - share)):
         np.maximum.at(out, row, part * over)
-    return np.where(coast, 0.0, np.minimum(out, (1.0 - SMALLEST) * radius))
+    if "wall_contact_id" in state:
+        held = wall_overlaps(state, before, after, time)
+        clear = (1.0 - OVERLAP) * radius[held.row] - np.maximum(held.elastic, 0.0)
+        closing = state["wall_contact_ridge_closing"].values
+        np.maximum.at(out, held.row, np.minimum(clear - held.distance, closing))
+    least = SMALLEST * np.sqrt(state["area"].values / np.pi)
+    return np.where(coast, 0.0, np.clip(out, 0.0, np.maximum(radius - least, 0.0)))
 
 
 def _elastic(
