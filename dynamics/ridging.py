@@ -18,7 +18,7 @@ from floeflow.state.schema import COAST
 
 # Ridges may overlap by this share of the smaller radius at a window's end; no disc shrinks below
 # the second share of the radius of a disc with its area.
-OVERLAP, SMALLEST = 0.03, 0.1
+OVERLAP, SMALLEST = 0.05, 0.1
 # Per effective area, so that they grow as it shrinks.
 _VOLUMES = ("ice_volume", "snow_volume")
 
@@ -76,7 +76,9 @@ def close_areas(
     before = element_arrays(state, minimum_thickness)
     after = element_arrays(closed, minimum_thickness)
     after["radius"] = closed["radius"].values - _crushed(closed, before, after, time)
-    closed["radius"] = ("element", after["radius"])
+    after |= _pushed_along(closed, before, after)
+    for name in ("radius", "x", "y"):
+        closed[name] = ("element", after[name])
     closed = _shift_contacts(closed, before, after)
     walled = "wall_contact_id" in closed
     return shift_wall_contacts(closed, before, after, time) if walled else closed
@@ -95,15 +97,8 @@ def _crushed(state: xr.Dataset, before: Arrays, after: Arrays, time: float) -> n
     far on one side, the disc is the largest that stands clear of its ridges. Its other contacts
     reach across the gaps that it leaves.
     """
-    lo, hi, elastic, _ = _elastic(state, before, after)
-    radius = after["radius"]
-    distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
-    over = radius[lo] + radius[hi] - distance - np.maximum(elastic, 0.0)
-    over = over - OVERLAP * np.minimum(radius[lo], radius[hi])
-    # Overlap of other origin (a broken bond, a disc that the rim cuts) stays.
-    over = np.minimum(over, state["contact_ridge_closing"].values)
-    h, coast = after["thickness"], after["type"] == COAST
-    share = np.where(coast[lo], 0.0, np.where(coast[hi], 1.0, h[hi] / (h[lo] + h[hi])))
+    lo, hi, over, share = _excess(state, before, after)
+    radius, coast = after["radius"], after["type"] == COAST
     out = np.zeros(len(radius))
     for row, part in ((lo, share), (hi, 1.0 - share)):
         np.maximum.at(out, row, part * over)
@@ -114,6 +109,42 @@ def _crushed(state: xr.Dataset, before: Arrays, after: Arrays, time: float) -> n
         np.maximum.at(out, held.row, np.minimum(clear - held.distance, closing))
     least = SMALLEST * np.sqrt(state["area"].values / np.pi)
     return np.where(coast, 0.0, np.clip(out, 0.0, np.maximum(radius - least, 0.0)))
+
+
+def _pushed_along(state: xr.Dataset, before: Arrays, after: Arrays) -> Arrays:
+    """Places (m) of the elements: one whose disc cannot stand clear any more is pushed along.
+
+    That is thin ice of which a ridge has used up all that lay on one side. Its forces stay: what
+    moves is the place from which its contacts are measured. Bonded elements stay where they are.
+    """
+    lo, hi, over, share = _excess(state, before, after)
+    dx, dy = after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo]
+    over = np.maximum(over, 0.0) / np.maximum(np.hypot(dx, dy), 1.0)
+    x, y = after["x"].copy(), after["y"].copy()
+    for row, part in ((lo, -share), (hi, 1.0 - share)):
+        np.add.at(x, row, part * over * dx)
+        np.add.at(y, row, part * over * dy)
+    stays = after["type"] == COAST
+    if "bond_id_lo" in state:
+        ids = np.concatenate([state["bond_id_lo"].values, state["bond_id_hi"].values])
+        stays |= np.isin(after["id"], ids)
+    return {"x": np.where(stays, after["x"], x), "y": np.where(stays, after["y"], y)}
+
+
+def _excess(
+    state: xr.Dataset, before: Arrays, after: Arrays
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rows of each contact's elements, overlap beyond `OVERLAP` (m), share of it that lo gives."""
+    lo, hi, elastic, _ = _elastic(state, before, after)
+    radius = after["radius"]
+    distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
+    over = radius[lo] + radius[hi] - distance - np.maximum(elastic, 0.0)
+    over = over - OVERLAP * np.minimum(radius[lo], radius[hi])
+    # Overlap of other origin (a broken bond, a disc that the rim cuts) stays.
+    over = np.minimum(over, state["contact_ridge_closing"].values)
+    h, coast = after["thickness"], after["type"] == COAST
+    share = np.where(coast[lo], 0.0, np.where(coast[hi], 1.0, h[hi] / (h[lo] + h[hi])))
+    return lo, hi, over, share
 
 
 def _elastic(
@@ -135,8 +166,8 @@ def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Data
     lo, hi, elastic, softer = _elastic(state, before, after)
     distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
     now = after["radius"][lo] + after["radius"][hi] - distance
-    # What is in a ridge is no thinner than what a new contact would begin with.
-    thin = np.minimum(after["thickness"][lo], after["thickness"][hi])
+    # Where an element is nearly used up, its ridges are no thinner than half of its ice.
+    thin = 0.5 * np.minimum(after["thickness"][lo], after["thickness"][hi])
     ridge = state["contact_ridge_thickness"].values
     shifted = state.assign(
         contact_rest_overlap=("contact", now - elastic),

@@ -15,7 +15,7 @@ from floeflow.dynamics.walls import distances
 
 @dataclass(frozen=True)
 class WallOverlaps:
-    """Wall contacts of a state, (n,): element's row, distance of its centre from the face (m).
+    """Wall contacts of a state, (n,): element's row, distance of its new centre from the face (m).
 
     elastic is the overlap (m) that holds the same force with the new stiffness, softer the old
     stiffness over the new one.
@@ -42,11 +42,11 @@ def wall_overlaps(state: xr.Dataset, before: Arrays, after: Arrays, time: float)
     contacts, faces = (pair_arrays(state, f"wall_{kind}") for kind in ("contact", "face"))
     row = element_rows(before["id"], contacts["id"])
     face = {name: values[contacts["face"]] for name, values in faces.items()}
-    distance = distances(face, before["x"][row], before["y"][row], time)
-    elastic = before["radius"][row] - distance - contacts["rest_overlap"]
+    old, new = (distances(face, e["x"][row], e["y"][row], time) for e in (before, after))
+    elastic = before["radius"][row] - old - contacts["rest_overlap"]
     # The stiffness is the element's thickness times the modulus: thicker ice overlaps less.
     softer = before["thickness"][row] / after["thickness"][row]
-    return WallOverlaps(row, distance, np.where(elastic > 0, elastic * softer, elastic), softer)
+    return WallOverlaps(row, new, np.where(elastic > 0, elastic * softer, elastic), softer)
 
 
 def shift_wall_contacts(
@@ -60,6 +60,7 @@ def shift_wall_contacts(
         wall_contact_slip=("wall_contact", state["wall_contact_slip"].values * held.softer),
     )
     ridge = state["wall_contact_ridge_thickness"].values
-    thick = np.where(ridge > 0, np.maximum(ridge, after["thickness"][held.row]), ridge)
+    least = 0.5 * after["thickness"][held.row]  # as in a ridge of two elements
+    thick = np.where(ridge > 0, np.maximum(ridge, least), ridge)
     shifted["wall_contact_ridge_thickness"] = ("wall_contact", thick)
     return shifted.isel(wall_contact=np.flatnonzero((held.elastic > 0) | (now > 0)))

@@ -118,7 +118,7 @@ def test_own_laws_at_one_step_for_any_ice(log: Path, hours: float, thinnest: flo
     random = np.random.default_rng(2)
     thickness = np.maximum(random.uniform(thinnest, 1.0, 5000), 1e-6)
     first = vortex_ridging.start(thickness)
-    last, worst = vortex_ridging.run(log, first, 0.5, hours)
+    last, worst = vortex_ridging.run(log, first, 1.0, hours)
     print(thinnest, worst, "smallest radius", float(last["radius"].min()))
     limit = 0.1 * vortex.RADIUS
     assert worst.discs < limit and worst.elastic < limit and worst.wall < limit
