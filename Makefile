@@ -11,7 +11,7 @@ SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
 export PYTHON LIGGGHTS_ROOT NO_APT
 
-.PHONY: help setup run test verification lint bench-dem bench-column doctor test-fresh lock clean
+.PHONY: help setup run test verification lint bench-dem bench-column bench-remap doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -38,6 +38,9 @@ bench-dem: setup ## time the element model beside stock LIGGGHTS, on 1 and 2 ran
 
 bench-column: setup ## time the column's schemes, over threads and columns
 	.venv/bin/python benchmarks/column.py
+
+bench-remap: setup ## time the transfers between elements and grids, beside bincount and griddata
+	.venv/bin/python benchmarks/remap.py
 
 doctor: ## say what is there and what is missing, and try a probe of the plugin
 	@setup/doctor.sh

@@ -21,6 +21,9 @@ include: "workflows/rules/preprocess.smk"
 include: "workflows/rules/dynamics.smk"
 include: "workflows/rules/postprocess.smk"
 include: "workflows/rules/export.smk"
+include: "workflows/rules/studies.smk"
+include: "workflows/rules/ablation.smk"
+include: "workflows/rules/accuracy.smk"
 
 
 rule all:

@@ -12,6 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floeflow.column.physics import TINY, jit
+from floeflow.column.records import (
+    LEVEL_AREA,
+    LEVEL_VOLUME,
+    POND_AREA,
+    POND_DEPTH,
+    POND_LID,
+    level_amounts,
+    level_shares,
+)
 
 
 def category_bounds(categories: int) -> NDArray[np.float64]:
@@ -184,6 +193,7 @@ def shift(c, s):
         s.touched[n] = 0.0
         s.first_area[n], s.first_snow[n] = c.area[n], c.snow[n]
         s.warmth[n] = c.area[n] * c.surface[n]
+        level_amounts(c, n, s.level[n])
         for k in range(c.ice_enthalpy.shape[1]):
             s.ice_energy[n, k] = c.ice_enthalpy[n, k] * c.ice[n]
             s.salt[n, k] = c.salinity[n, k] * c.ice[n]
@@ -198,6 +208,7 @@ def shift(c, s):
         if s.touched[n] == 0.0 or c.area[n] <= 0.0 or c.ice[n] <= 0.0:
             continue
         c.surface[n] = s.warmth[n] / c.area[n]
+        level_shares(c, n, s.level[n])
         for k in range(c.ice_enthalpy.shape[1]):
             c.ice_enthalpy[n, k] = s.ice_energy[n, k] / c.ice[n]
             c.salinity[n, k] = s.salt[n, k] / c.ice[n]
@@ -210,6 +221,13 @@ def shift(c, s):
 def hand_over(c, s, donor, taker, area, volume):
     """Move area and volume with all that they carry, in extensive quantities."""
     snow = s.first_snow[donor] * (area / s.first_area[donor])
+    flat = area * c.level[donor, LEVEL_AREA]
+    pond = flat * c.level[donor, POND_AREA]
+    move(s.level, donor, taker, LEVEL_AREA, flat)
+    move(s.level, donor, taker, LEVEL_VOLUME, volume * c.level[donor, LEVEL_VOLUME])
+    move(s.level, donor, taker, POND_AREA, pond)
+    move(s.level, donor, taker, POND_DEPTH, pond * c.level[donor, POND_DEPTH])
+    move(s.level, donor, taker, POND_LID, pond * c.level[donor, POND_LID])
     c.area[donor] -= area
     c.ice[donor] -= volume
     c.snow[donor] -= snow
@@ -230,3 +248,11 @@ def hand_over(c, s, donor, taker, area, volume):
         s.snow_energy[donor, k] -= energy
         s.snow_energy[taker, k] += energy
     s.touched[donor] = s.touched[taker] = 1.0
+
+
+@jit
+def move(amounts, donor, taker, kind, amount):
+    """Move an amount of one kind, no more than there is, from donor to taker."""
+    amount = min(amount, amounts[donor, kind])
+    amounts[donor, kind] -= amount
+    amounts[taker, kind] += amount

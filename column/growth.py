@@ -96,6 +96,8 @@ def change_thickness(w, first, found, ocean, bottom, sea_salinity, snowfall, dt,
     leaving, heat = max(vapour, 0.0), max((found.net - found.top) * dt, 0.0)
     gone_snow = gone_ice = melt_snow = melt_top = melt_bottom = 0.0
     for k in range(z):
+        if p.mushy and k < first:
+            melt_snow += melt_inside(w, k, p)
         density = p.snow_density if k < first else p.ice_density
         bound = min(w.enthalpy[k] - w.water[k], 0.0)
         taken, leaving = remove(w, k, leaving, bound - density * p.vapour)
@@ -142,6 +144,18 @@ def remove(w, k, energy, enthalpy):
     taken = -energy / enthalpy
     w.thickness[k] -= taken
     return taken, 0.0
+
+
+@jit
+def melt_inside(w, k, p):
+    """Melt of snow layer k what light has warmed past melting; thickness melted (m)."""
+    frozen = -p.snow_density * p.fusion
+    if w.enthalpy[k] <= frozen:
+        return 0.0
+    melted = min(1.0 - w.enthalpy[k] / frozen, 1.0) * w.thickness[k]
+    w.thickness[k] -= melted
+    w.enthalpy[k] = frozen
+    return melted
 
 
 @jit
@@ -220,7 +234,7 @@ def settle(w, first, p):
         snow, drowned = 0.0, snow
     if ice <= 0.0:
         return 0.0, 0.0, 0.0, drowned, energy
-    if not p.mushy:
+    if p.flooding and not p.mushy:
         snow_ice = flood(w, first, ice, snow, p)
     snow = even_out(w, 0, first, False)
     ice = even_out(w, first, w.thickness.size, p.mushy)

@@ -22,36 +22,40 @@ from floeflow.column.boundary_layer import Air, transfer
 from floeflow.column.categories import remap
 from floeflow.column.growth import change_thickness
 from floeflow.column.layers import flood_mush
+from floeflow.column.light import shed_light
 from floeflow.column.mushy import solve_mush
 from floeflow.column.new_ice import freeze_leads
 from floeflow.column.ocean import freezing_temperature, heat_to_ice, limit, mix
-from floeflow.column.physics import TINY, jit
+from floeflow.column.physics import KELVIN, TINY, jit
+from floeflow.column.ponds import evolve, flush
 from floeflow.column.profile import fill, new_profile
-from floeflow.column.records import Column, category_energy, new_scratch
-from floeflow.column.shortwave_ccsm3 import absorb
+from floeflow.column.records import Column, category_energy, category_water, new_scratch, pond_water
+from floeflow.column.scattering import new_rays
 from floeflow.column.tidy import clear, empty, melt_sides, open_area, rebin
 
 
 @jit
-def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
+def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
     """Advance one category vertically; energy and light (J/m2) that it lets into the sea.
 
-    Order: light, turbulent coefficients, temperatures, thickness.
+    Order: light, turbulent coefficients, temperatures, flooding, thickness, ponds.
     """
     area = c.area[n]
     ice, snow = c.ice[n] / area, c.snow[n] / area
     first = c.snow_enthalpy.shape[1]
     fill(w, ice, snow, c.ice_enthalpy[n], c.snow_enthalpy[n], c.salinity[n], p)
-    light, through = absorb(
-        ice, snow, c.surface[n], f[r.VISIBLE], f[r.INFRARED], w.source, first, p
-    )
+    light, through = shed_light(c, n, ice, snow, first, w, rays, f, dt, p)
     exchange = transfer(c.surface[n], air, False, p)
-    flooded = carried = salt = 0.0
+    flooded = carried = water = brine = salt = 0.0
     if p.mushy:
-        found, advected, salt = solve_mush(
-            w, first, c.surface[n], freezing, light, air, exchange, f[r.SEA_SALINITY], dt, p
+        pond = (c.level[n, r.POND_DEPTH], c.level[n, r.LEVEL_AREA] * c.level[n, r.POND_AREA])
+        found, advected, salt, sinks = solve_mush(
+            w, first, c.surface[n], freezing, light, air, exchange, f[r.SEA_SALINITY], pond, dt, p
         )
-        flooded, water, brine = flood_mush(w, first, freezing, f[r.SEA_SALINITY], p)
+        if p.ponds:
+            flush(c, n, sinks, dt, sums, p)
+        if p.flooding:
+            flooded, water, brine = flood_mush(w, first, freezing, f[r.SEA_SALINITY], p)
         salt += brine
         carried = advected * dt - water
     else:
@@ -63,6 +67,7 @@ def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
     inside = 0.0
     for k in range(w.source.size):
         inside += w.source[k]
+    sums[r.LIGHT_ABSORBED] += area * dt * (light + inside)
     vapour = p.ice_density * change.sublimation_ice + p.snow_density * change.sublimation_snow
     warmed = dt * (found.net - found.latent + inside) - p.vapour * vapour
     sums[r.AIR_TO_ICE] += area * warmed
@@ -84,6 +89,7 @@ def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
     sums[r.RESCUED] += 1.0 if found.sweeps < 0 else 0.0
 
     if change.ice <= 0.0:
+        sums[r.POND_LOST] += category_water(c, n)
         empty(c, n, freezing)
     else:
         c.ice[n], c.snow[n] = area * change.ice, area * change.snow
@@ -93,12 +99,22 @@ def grow_category(c, n, w, air, f, ocean, freezing, sums, dt, p):
         for k in range(first, w.enthalpy.size):
             c.ice_enthalpy[n, k - first] = w.enthalpy[k]
             c.salinity[n, k - first] = w.salt[k]
+    if p.ponds and change.ice > 0.0:
+        c.surface[n] = found.temperature
+        melted = p.ice_density * change.melt_top + p.snow_density * change.melt_snow
+        if p.mushy:
+            melted += p.snow_density * change.drowned
+        warm = f[r.POTENTIAL_TEMPERATURE] - KELVIN
+        evolve(
+            c, n, w, first, change.ice, change.snow, melted, f[r.RAIN] * dt, warm, found.net, dt,
+            sums, p,
+        )  # fmt: skip
     # What the sea gets: what found nothing to melt, less what it gave.
     return area * (change.spare + carried - ocean * dt), area * through * dt
 
 
 @jit
-def step_column(c, sea, pending, w, s, f, bounds, sums, dt, p):
+def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     """One step of one column; temperature of the mixed layer and energy to be frozen (J/m2).
 
     Parameters
@@ -109,7 +125,7 @@ def step_column(c, sea, pending, w, s, f, bounds, sums, dt, p):
         Temperature of the mixed layer (degC).
     pending : float
         Energy that the sea lacks and that ice will be made of (J/m2).
-    w, s : Profile, Scratch
+    w, s, rays : Profile, Scratch, Rays
         Work arrays.
     f : ndarray
         Forcing, (len(FORCING),).
@@ -139,28 +155,30 @@ def step_column(c, sea, pending, w, s, f, bounds, sums, dt, p):
     heat = light = 0.0
     for n in range(c.area.size):
         if c.area[n] > TINY:
-            rest, through = grow_category(c, n, w, air, f, bottom, freezing, sums, dt, p)
+            rest, through = grow_category(c, n, w, rays, air, f, bottom, freezing, sums, dt, p)
             heat += rest
             light += through
+    water = pond_water(c)
     if c.area.size > 1:
         remap(c, s.before, bounds, s, p)
     freeze_leads(c, s, max(pending, 0.0), freezing, f[r.SEA_SALINITY], w, bounds, sums, p)
     heat -= melt_sides(c, side, sums)
     if c.area.size == 1:
         open_area(c, s.before[0], bounds[0])
-    rebin(c, bounds)
+    rebin(c, s, bounds)
     heat -= clear(c, freezing, sums)
+    sums[r.POND_LOST] += water - pond_water(c)
     sums[r.OCEAN_TO_ICE] -= heat
     sums[r.LIGHT_TO_SEA] += light
 
     for n in range(c.area.size):
         total += c.area[n]
-    water = max(1.0 - total, 0.0)
+    leads = max(1.0 - total, 0.0)
     lit = (1.0 - p.albedo_ocean) * (f[r.VISIBLE] + f[r.INFRARED])
     sea, potential, net, latent, deep = mix(
-        sea, freezing, water, lit, air, (heat + light) / dt, f[r.DEEP_HEAT], f[r.MIXED_DEPTH], dt, p
+        sea, freezing, leads, lit, air, (heat + light) / dt, f[r.DEEP_HEAT], f[r.MIXED_DEPTH], dt, p
     )
-    sums[r.AIR_TO_SEA] += dt * (net + lit * water)
+    sums[r.AIR_TO_SEA] += dt * (net + lit * leads)
     sums[r.DEEP_TO_SEA] += dt * deep
     sums[r.VAPOUR_SEA] -= dt * latent / p.vapour
     return sea, max(potential, 0.0) * dt
@@ -169,24 +187,25 @@ def step_column(c, sea, pending, w, s, f, bounds, sums, dt, p):
 @jit
 def step_some(
     begin, end, area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea,
-    pending, w, s, forcing, bounds, sums, dt, constants,
+    level, pending, w, s, rays, forcing, bounds, sums, dt, constants,
 ):  # fmt: skip
     """Take elements begin to end - 1 through all steps, one element after the other."""
     p = constants[0]
     for e in range(begin, end):
         c = Column(
-            area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e], salinity[e]
-        )
+            area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e], salinity[e],
+            level[e],
+        )  # fmt: skip
         for step in range(forcing.shape[0]):
             sea[e], pending[e] = step_column(
-                c, sea[e], pending[e], w, s, forcing[step, e], bounds, sums[e], dt, p
+                c, sea[e], pending[e], w, s, rays, forcing[step, e], bounds, sums[e], dt, p
             )
 
 
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, parallel=True, error_model="numpy")
     def advance(
-        area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea, pending,
+        area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea, pending, level,
         forcing, profile, bounds, sums, dt, constants, chunk,
     ):  # fmt: skip
         digest  # noqa: B018  (part of the key under which Numba caches)
@@ -194,10 +213,11 @@ def _build(digest: str) -> Callable[..., Any]:
         for part in numba.prange((count + chunk - 1) // chunk):
             w = new_profile(profile, snow_enthalpy.shape[2], constants)
             s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
+            rays = new_rays(profile.size + snow_enthalpy.shape[2])
             last = min((part + 1) * chunk, count)
             step_some(
                 part * chunk, last, area, ice, snow, surface, ice_enthalpy, snow_enthalpy,
-                salinity, sea, pending, w, s, forcing, bounds, sums, dt, constants,
+                salinity, sea, level, pending, w, s, rays, forcing, bounds, sums, dt, constants,
             )  # fmt: skip
 
     return advance

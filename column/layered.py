@@ -10,7 +10,7 @@ problem of its own and gives the same bits as the whole.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,22 @@ from numpy.typing import NDArray
 from floeflow.column.enthalpy import salinity_profile
 from floeflow.column.kernel import advance
 from floeflow.column.physics import Physics, as_records
-from floeflow.column.records import FORCING, SUMS, Array
+from floeflow.column.records import (
+    FORCING,
+    FORCING_DEFAULTS,
+    LEVEL,
+    SUMS,
+    SUN_HEIGHT,
+    Array,
+)
 from floeflow.errors import FloeError
 
 CHUNK = 64  # columns that a thread takes at a time; has no effect on results
+_LEFT_OUT = np.empty(0)
+
+
+def _left_out() -> Array:
+    return _LEFT_OUT
 
 
 @dataclass(frozen=True)
@@ -44,6 +56,16 @@ class LayeredState:
         Of the mixed layer (degC), (n,).
     pending_freeze : ndarray
         Energy that the mixed layer lacks, of which the next step makes ice (J/m2), (n,).
+    level_area, level_volume : ndarray
+        Share of each category's ice area and volume that is level; 1 where left out, (n, ncat).
+    pond_area : ndarray
+        Share of the level area that ponds cover; these and the rest 0 where left out, (n, ncat).
+    pond_depth, pond_lid : ndarray
+        Of the water of ponds, and of the ice on it (m), (n, ncat).
+    lid_snow : ndarray
+        Snow on the ice less snow on the lids, while lids gather snow (m), (n, ncat).
+    lid_share : ndarray
+        Share of the flux into the surface that melted lids in the last step, (n, ncat).
     """
 
     ice_fraction: Array
@@ -55,6 +77,21 @@ class LayeredState:
     ice_salinity: Array
     sea_temperature: Array
     pending_freeze: Array
+    level_area: Array = field(default_factory=_left_out)
+    level_volume: Array = field(default_factory=_left_out)
+    pond_area: Array = field(default_factory=_left_out)
+    pond_depth: Array = field(default_factory=_left_out)
+    pond_lid: Array = field(default_factory=_left_out)
+    lid_snow: Array = field(default_factory=_left_out)
+    lid_share: Array = field(default_factory=_left_out)
+
+    def __post_init__(self) -> None:
+        """Fill in what was left out: all ice level, no ponds."""
+        for name in LEVEL:
+            if getattr(self, name) is _LEFT_OUT:
+                there = np.asarray(self.ice_fraction) > 0.0
+                level = there if name in ("level_area", "level_volume") else np.zeros_like(there)
+                object.__setattr__(self, name, level.astype(np.float64))
 
 
 def take(state: LayeredState, part: slice | NDArray[np.intp]) -> LayeredState:
@@ -68,7 +105,8 @@ def pack_forcing(values: Mapping[str, Array], steps: int, count: int) -> Array:
     Parameters
     ----------
     values : mapping of str to ndarray
-        Every name in ``FORCING`` (units there), each broadcast to (steps, count).
+        Every name in ``FORCING`` (units there) but for those in ``FORCING_DEFAULTS``, which may
+        be left out, each broadcast to (steps, count).
     steps, count : int
         Steps and elements.
 
@@ -85,7 +123,10 @@ def pack_forcing(values: Mapping[str, Array], steps: int, count: int) -> Array:
     packed = np.empty((steps, count, len(FORCING)))
     for k, name in enumerate(FORCING):
         if name not in values:
-            raise FloeError(f"column forcing: '{name}' is missing")
+            if name not in FORCING_DEFAULTS:
+                raise FloeError(f"column forcing: '{name}' is missing")
+            packed[:, :, k] = FORCING_DEFAULTS[name]
+            continue
         packed[:, :, k] = values[name]
         bad = ~np.isfinite(packed[:, :, k])
         if bad.any():
@@ -133,9 +174,13 @@ def step(
             f"column: forcing {forcing.shape} and bounds {bounds.shape} do not fit {count} "
             f"elements of {categories} categories"
         )
+    if p.delta_eddington and not np.isfinite(forcing[:, :, SUN_HEIGHT]).all():
+        raise FloeError("column forcing: 'sun_height' is missing, delta-Eddington light needs it")
+    level = np.stack([getattr(after, name) for name in LEVEL], axis=2)
     sums = np.zeros((count, len(SUMS)))
     advance(
-        *(getattr(after, f.name) for f in fields(after)),
+        *(getattr(after, f.name) for f in fields(after) if f.name not in LEVEL),
+        level,
         np.ascontiguousarray(forcing),
         salinity_profile(after.ice_enthalpy.shape[2], p),
         bounds,
@@ -144,6 +189,7 @@ def step(
         as_records(p),
         CHUNK,
     )
+    after = replace(after, **{name: level[:, :, k].copy() for k, name in enumerate(LEVEL)})
     return after, {name: sums[:, k].copy() for k, name in enumerate(SUMS)}
 
 
@@ -201,3 +247,13 @@ def salt_residual(before: LayeredState, after: LayeredState, sums: dict[str, Arr
     """Change of the salt of mush that the terms do not explain (1e-3 m), (n,)."""
     content = [(s.ice_salinity.mean(axis=2) * s.ice_volume).sum(axis=1) for s in (before, after)]
     return np.asarray(content[1] - content[0] - sums["salt_to_ice"])
+
+
+def pond_residual(before: LayeredState, after: LayeredState, sums: dict[str, Array]) -> Array:
+    """Change of the water in ponds that the terms do not explain (m of water), (n,)."""
+    water = []
+    for s in (before, after):
+        area = s.ice_fraction * s.level_area * s.pond_area
+        water.append((area * s.pond_depth).sum(axis=1))
+    named = sums["pond_gain"] - sums["pond_frozen"] - sums["pond_drained"] - sums["pond_lost"]
+    return np.asarray(water[1] - water[0] - named)

@@ -109,9 +109,26 @@ def flood_mush(w, first, bottom, sea_salinity, p):
         left -= taken
         energy += taken * w.enthalpy[k]
     water = gain * pores * brine_enthalpy(bottom, p)
-    total = w.thickness[first] + gain
-    w.enthalpy[first] = (w.thickness[first] * w.enthalpy[first] + energy + water) / total
-    salt = w.thickness[first] * w.salt[first] + gain * pores * sea_salinity
-    w.salt[first] = salt / total
-    w.thickness[first] = total
+    layers = w.thickness.size - first
+    lay_on(w.enthalpy, w, first, gain, (energy + water) / gain)
+    lay_on(w.salt, w, first, gain, pores * sea_salinity)
+    for k in range(first, w.thickness.size):
+        w.thickness[k] = (ice + gain) / layers
     return gain, water, gain * pores * sea_salinity
+
+
+@jit
+def lay_on(values, w, first, gain, new):
+    """Put ice of thickness gain (m) and a value on top of equal ice layers; equal layers again."""
+    z = w.thickness.size
+    old = w.thickness[first]
+    thick = old + gain / (z - first)
+    for k in range(first, z):
+        w.solution[k] = values[k]
+    for k in range(first, z):
+        low, high = (k - first) * thick, (k - first + 1) * thick
+        amount = max(min(gain, high) - low, 0.0) * new
+        for j in range(first, z):
+            begin = gain + (j - first) * old
+            amount += max(min(begin + old, high) - max(begin, low), 0.0) * w.solution[j]
+        values[k] = amount / thick

@@ -13,6 +13,7 @@ from floeflow.column.bl99 import Balance
 from floeflow.column.boundary_layer import surface_balance
 from floeflow.column.drainage import drain
 from floeflow.column.enthalpy import snow_enthalpy
+from floeflow.column.flushing import flushing
 from floeflow.column.mush import (
     brine_enthalpy,
     brine_salinity,
@@ -29,11 +30,12 @@ SWEEPS = 100
 
 
 @jit
-def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, dt, p):
+def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, pond, dt, p):
     """Temperatures, enthalpies and salinities after dt; fluxes, and heat that brine carries off.
 
-    Arguments and first result as `bl99.solve_temperatures`; the heat goes to the sea (W/m2). The
-    third is the salt that the ice gained (1e-3 m), negative.
+    Arguments and first result as `bl99.solve_temperatures`, but ``pond``: depth (m) and share of
+    the ice. The second is heat that goes to the sea (W/m2), the third the salt that the ice gained
+    (1e-3 m), negative; the last the speed of flushing (m/s).
     """
     z = w.thickness.size
     top = 0 if first > 0 and w.thickness[0] * first > p.least_snow else first
@@ -41,6 +43,10 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, dt
     for k in range(first, z):
         w.liquid[k] = liquid_fraction(w.temperature[k], w.salt[k])
         ice += w.thickness[k]
+    snow = w.thickness[0] * first if top < first else 0.0
+    sinks = 0.0
+    if p.ponds and p.flushing:
+        sinks = flushing(w, first, ice, snow, pond[0], pond[1], dt, p)
     drain(w, first, ice, surface, bottom, sea_salinity, dt, p)
     conductances(w, top, first, p)
 
@@ -48,12 +54,12 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, dt
     melting = 0.0 if top < first else liquidus(w.salt[first])
     cold = surface < melting
     start = surface if cold else melting
-    found = settle_surface(w, top, first, cold, start, bottom, light, air, exchange, dt, p)
+    found = settle_surface(w, top, first, cold, start, bottom, light, air, exchange, sinks, dt, p)
     sweeps = found.sweeps
     warm = found.temperature > melting if cold else found.net >= found.top
     if warm == cold:
         found = settle_surface(
-            w, top, first, not warm, melting, bottom, light, air, exchange, dt, p
+            w, top, first, not warm, melting, bottom, light, air, exchange, sinks, dt, p
         )
         sweeps += found.sweeps
     advected = 0.0
@@ -69,15 +75,17 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, dt
     for k in range(first, z):
         below = brine_enthalpy(w.temperature[k + 1], p) if k < z - 1 else warm_sea
         advected -= w.flow[k] * (below - brine_enthalpy(w.temperature[k], p))
-    salt = desalinate(w, first, sea_salinity, dt)
+    # Pond water comes in at 0 degC, whose enthalpy is zero.
+    advected += sinks * brine_enthalpy(w.temperature[z - 1], p)
+    salt = desalinate(w, first, sea_salinity, sinks, dt)
     found = Balance(
         min(found.temperature, 0.0), found.net, found.latent, found.top, rest - advected, sweeps
     )
-    return found, advected, salt
+    return found, advected, salt, sinks
 
 
 @jit
-def settle_surface(w, top, first, cold, surface, bottom, light, air, exchange, dt, p):
+def settle_surface(w, top, first, cold, surface, bottom, light, air, exchange, sinks, dt, p):
     """Solve for a surface that is cold, or for one that is kept at its temperature.
 
     The layers are left in ``w.solution``; a cold surface may come out above melting.
@@ -93,7 +101,7 @@ def settle_surface(w, top, first, cold, surface, bottom, light, air, exchange, d
         if cold:
             fill_surface(w, top, surface, net, slope)
         for k in range(top, w.thickness.size):
-            fill_mush(w, top, k, first, bottom, dt, p)
+            fill_mush(w, top, k, first, bottom, sinks, dt, p)
         if not cold:
             w.right[1] += w.conductance[top] * surface
         solve(w, 0 if cold else 1, rows)
@@ -107,11 +115,11 @@ def settle_surface(w, top, first, cold, surface, bottom, light, air, exchange, d
 
 
 @jit
-def fill_mush(w, top, k, first, bottom, dt, p):
-    """Row of a layer: storage, conduction, upward exchange of brine (eqs. 10 and 11)."""
+def fill_mush(w, top, k, first, bottom, sinks, dt, p):
+    """Row of a layer: storage, conduction, exchange of brine upward and flushing (eqs. 10, 11)."""
     row, z = k - top + 1, w.thickness.size
     per_time = w.thickness[k] / dt
-    exchange = 0.0
+    exchange = flushed = 0.0
     if k < first:
         capacity = p.snow_density * p.heat_ice
         bound = p.snow_density * p.fusion
@@ -120,22 +128,27 @@ def fill_mush(w, top, k, first, bottom, dt, p):
         capacity = w.liquid[k] * p.heat_water * p.water_density + ice * p.ice_density * p.heat_ice
         bound = ice * p.ice_density * p.fusion
         exchange = w.flow[k] * p.heat_water * p.water_density
-    w.lower[row] = -w.conductance[k]
+        flushed = sinks * p.heat_water * p.water_density
+    w.lower[row] = -w.conductance[k] - (flushed if k > first else 0.0)
     w.upper[row] = -w.conductance[k + 1] - exchange
     w.diagonal[row] = capacity * per_time + w.conductance[k] + w.conductance[k + 1] + exchange
+    w.diagonal[row] += flushed
     w.right[row] = per_time * (w.first_enthalpy[k] + bound) + w.source[k]
     if k == z - 1:
         w.right[row] += (w.conductance[z] + exchange) * bottom
 
 
 @jit
-def desalinate(w, first, sea_salinity, dt):
-    """Exchange salt with the brine below and drain slowly (eq. 12); salt gained (1e-3 m)."""
+def desalinate(w, first, sea_salinity, sinks, dt):
+    """Exchange salt with brine below, drain slowly, flush (eq. 12); salt gained (1e-3 m)."""
     z = w.thickness.size
-    gained = 0.0
+    gained = above = 0.0
     for k in range(first, z):
         below = brine_salinity(w.temperature[k + 1]) if k < z - 1 else sea_salinity
-        rate = w.flow[k] * (below - brine_salinity(w.temperature[k])) / w.thickness[k] + w.drain[k]
+        brine = brine_salinity(w.temperature[k])
+        rate = w.flow[k] * (below - brine) / w.thickness[k] + w.drain[k]
+        rate += sinks * (above - brine) / w.thickness[k]
+        above = brine
         change = max(rate * dt, min(LEAST_SALINITY - w.salt[k], 0.0))
         w.salt[k] += change
         gained += w.thickness[k] * change

@@ -6,7 +6,15 @@ from __future__ import annotations
 
 from floeflow.column.mush import liquid_fraction, liquidus, mush_enthalpy
 from floeflow.column.physics import TINY, jit
-from floeflow.column.records import NEW_ICE, NEW_ICE_ENERGY, SALT_TO_ICE
+from floeflow.column.records import (
+    LEVEL_AREA,
+    LEVEL_VOLUME,
+    NEW_ICE,
+    NEW_ICE_ENERGY,
+    SALT_TO_ICE,
+    level_amounts,
+    level_shares,
+)
 
 
 @jit
@@ -74,6 +82,9 @@ def freeze_leads(c, s, energy, freezing, sea_salinity, w, bounds, sums, p):
     if surplus > 0.0:
         for n in range(c.area.size):
             part = surplus * c.area[n] / total
+            if c.ice[n] > TINY:
+                flat = c.level[n, LEVEL_VOLUME] * c.ice[n] + c.level[n, LEVEL_AREA] * part
+                c.level[n, LEVEL_VOLUME] = flat / (c.ice[n] + part)
             if p.mushy:
                 add_below(c, s, n, part, enthalpy, salinity)
             else:
@@ -81,8 +92,12 @@ def freeze_leads(c, s, energy, freezing, sea_salinity, w, bounds, sums, p):
     if area > 0.0:
         c.surface[0] = (c.surface[0] * c.area[0] + freezing * area) / (c.area[0] + area)
         c.surface[0] = min(c.surface[0], 0.0)
+        level_amounts(c, 0, s.level[0])
+        s.level[0, LEVEL_AREA] += area
+        s.level[0, LEVEL_VOLUME] += volume - surplus
         c.area[0] += area
         thicken(c, 0, volume - surplus, enthalpy, salinity, w)
+        level_shares(c, 0, s.level[0])
 
 
 @jit

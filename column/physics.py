@@ -46,6 +46,21 @@ class Physics(NamedTuple):
         Freezing point depression (K per 1e-3 of salinity).
     mushy : bool
         Mushy layers with salt of their own (Turner et al. 2013), else Bitz and Lipscomb (1999).
+    delta_eddington : bool
+        Light of many directions (Briegleb and Light 2007), else that of CCSM3.
+    redistribute_light : bool
+        Light that would bring a layer near its melting point is absorbed at the surface instead.
+    ponds : bool
+        Level-ice melt ponds (Hunke et al. 2013).
+    ponds_cover_level : bool
+        Ponds that have water spread over all level ice at each step, with their depth, as in the
+        column physics that made the reference; else they keep their area and water.
+    pond_lids : bool
+        Ponds freeze over (Hunke et al. 2013), else they shrink in the cold (Holland et al. 2012).
+    flushing : bool
+        Ponds drain through mush and carry its salt off (Turner et al. 2013).
+    flooding : bool
+        Snow below the water line becomes ice.
     bubbly : bool
         Conductivity of Pringle et al. (2007), else of Maykut and Untersteiner (1971).
     fresh_conductivity, snow_conductivity : float
@@ -88,6 +103,26 @@ class Physics(NamedTuple):
         Of the ocean; ice as thick (m) has the albedo of thick ice; snow (m) that covers half.
     penetrating, extinction : float
         Share of the absorbed visible light that enters bare ice; 1/m.
+    snow_grain_tuning, ice_scatter_tuning, pond_scatter_tuning : float
+        Standard deviations by which snow grains are smaller, ice and ponded ice scatter more.
+    melting_grain, fresh_grain : float
+        Radius of grains of melting snow, and the least radius (um).
+    grain_warming : float
+        Snow grains grow from this far below melting (K).
+    algae : float
+        Absorption of visible light by algae in the lowest ice layer (1/m over half a metre).
+    snow_cover_depth : float
+        Snow that covers all ice (m); 0: any does that counts.
+    lid_snow_depth : float
+        Snow on lids that hides ponds (m).
+    least_catch, most_catch : float
+        Share of the melt water that ponds catch at no ice and at full cover.
+    pond_aspect : float
+        Depth of a pond over its share of the ice (m).
+    pond_drain_time : float
+        Time in which ponds drain through flaws of mush (s).
+    pond_seepage : float
+        Factor of the flow through Bitz-Lipscomb ice; 0: none.
     ocean_transfer, least_friction_velocity : float
         Stanton number of the ice's bottom; m/s.
     lateral_rate, lateral_power : float
@@ -125,6 +160,13 @@ class Physics(NamedTuple):
     vapour: float = 2.501e6
     melting_slope: float = 0.054
     mushy: bool = False
+    delta_eddington: bool = False
+    redistribute_light: bool = False
+    ponds: bool = False
+    ponds_cover_level: bool = True
+    pond_lids: bool = True
+    flushing: bool = True
+    flooding: bool = True
     bubbly: bool = True
     fresh_conductivity: float = 2.03
     snow_conductivity: float = 0.3
@@ -163,6 +205,20 @@ class Physics(NamedTuple):
     snow_patchiness: float = 0.02
     penetrating: float = 0.7
     extinction: float = 1.4
+    snow_grain_tuning: float = 1.5
+    ice_scatter_tuning: float = 0.0
+    pond_scatter_tuning: float = 0.0
+    melting_grain: float = 1500.0
+    fresh_grain: float = 100.0
+    grain_warming: float = 1.5
+    algae: float = 0.6
+    snow_cover_depth: float = 0.0
+    lid_snow_depth: float = 0.03
+    least_catch: float = 0.15
+    most_catch: float = 1.0
+    pond_aspect: float = 0.8
+    pond_drain_time: float = 864000.0
+    pond_seepage: float = 1e-3
     ocean_transfer: float = 0.006
     least_friction_velocity: float = 5e-4
     lateral_rate: float = 1.6e-6

@@ -8,6 +8,7 @@ uses the numbers below, everybody else the names.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,10 @@ FORCING = (
     "deep_heat",  # from below the mixed layer, upward (W/m2)
     "mixed_depth",  # m
     "ocean_friction",  # friction velocity under the ice (m/s)
+    "rain",  # kg/m2/s
+    "diffuse_visible",  # share of the visible light
+    "diffuse_infrared",  # share of the rest
+    "sun_height",  # cosine of the sun's distance from the zenith
 )
 (
     POTENTIAL_TEMPERATURE,
@@ -44,7 +49,31 @@ FORCING = (
     DEEP_HEAT,
     MIXED_DEPTH,
     OCEAN_FRICTION,
+    RAIN,
+    DIFFUSE_VISIBLE,
+    DIFFUSE_INFRARED,
+    SUN_HEIGHT,
 ) = range(len(FORCING))
+
+FORCING_DEFAULTS = {
+    "rain": 0.0,
+    "diffuse_visible": 0.24 / 0.52,
+    "diffuse_infrared": 0.17 / 0.48,
+    "sun_height": math.nan,
+}
+"""Forcing that may be left out. Shares of diffuse light are those of Icepack's forcing; the height
+of the sun is asked for only by light of many directions."""
+
+LEVEL = (
+    "level_area",  # share of the ice area that no ridge covers
+    "level_volume",  # share of the ice volume
+    "pond_area",  # share of the level area under ponds
+    "pond_depth",  # m of water
+    "pond_lid",  # thickness of ice on ponds (m)
+    "lid_snow",  # snow on the ice less snow on the lids, while lids gather snow (m)
+    "lid_share",  # of the flux into the surface that melted lids in the last step
+)
+LEVEL_AREA, LEVEL_VOLUME, POND_AREA, POND_DEPTH, POND_LID, LID_SNOW, LID_SHARE = range(len(LEVEL))
 
 SUMS = (
     "air_to_ice",  # light, long-wave, sensible heat; less what vapour carried off (J/m2)
@@ -72,6 +101,11 @@ SUMS = (
     "sweeps",  # iterations of the temperatures
     "solves",  # temperature solves
     "rescued",  # of which the sure method did
+    "pond_gain",  # melt water and rain that ponds caught (m of water)
+    "pond_frozen",  # of pond water to lids, less what lids gave (m of water)
+    "pond_drained",  # through the ice and its flaws (m of water)
+    "pond_lost",  # over edges, with ice that melts; less what spreading ponds made (m of water)
+    "light_absorbed",  # by snow, ice and ponds (J/m2)
 )
 (
     AIR_TO_ICE,
@@ -99,6 +133,11 @@ SUMS = (
     SWEEPS,
     SOLVES,
     RESCUED,
+    POND_GAIN,
+    POND_FROZEN,
+    POND_DRAINED,
+    POND_LOST,
+    LIGHT_ABSORBED,
 ) = range(len(SUMS))
 
 
@@ -111,6 +150,8 @@ class Column(NamedTuple):
         Fraction, m, m, degC, (ncat,).
     ice_enthalpy, snow_enthalpy, salinity : ndarray
         J/m3, J/m3, 1e-3 of ice, (ncat, layers).
+    level : ndarray
+        What is in ``LEVEL``, (ncat, len(LEVEL)).
     """
 
     area: Array
@@ -120,6 +161,7 @@ class Column(NamedTuple):
     ice_enthalpy: Array
     snow_enthalpy: Array
     salinity: Array
+    level: Array
 
 
 class Scratch(NamedTuple):
@@ -137,6 +179,9 @@ class Scratch(NamedTuple):
         Area times surface temperature; 1 where a shift took part.
     ice_energy, snow_energy, salt : ndarray
         Volume times enthalpy and salinity, (ncat, layers).
+    level : ndarray
+        The first five of ``LEVEL`` as amounts per area: level area and volume, pond area, water
+        and lids, (ncat, 5).
     """
 
     moved: Array
@@ -150,6 +195,7 @@ class Scratch(NamedTuple):
     ice_energy: Array
     snow_energy: Array
     salt: Array
+    level: Array
 
 
 @jit_making
@@ -167,6 +213,7 @@ def new_scratch(categories, ice_layers, snow_layers):
         np.zeros((categories, ice_layers)),
         np.zeros((categories, snow_layers)),
         np.zeros((categories, ice_layers)),
+        np.zeros((categories, 5)),
     )
 
 
@@ -188,3 +235,43 @@ def category_energy(c, n):
     for k in range(c.snow_enthalpy.shape[1]):
         energy += c.snow_enthalpy[n, k] * c.snow[n] / c.snow_enthalpy.shape[1]
     return energy
+
+
+@jit
+def level_amounts(c, n, amounts):
+    """Level area and volume, pond area, water and lids of category n per area of the element."""
+    area = c.area[n] * c.level[n, LEVEL_AREA]
+    pond = area * c.level[n, POND_AREA]
+    amounts[LEVEL_AREA] = area
+    amounts[LEVEL_VOLUME] = c.ice[n] * c.level[n, LEVEL_VOLUME]
+    amounts[POND_AREA] = pond
+    amounts[POND_DEPTH] = pond * c.level[n, POND_DEPTH]
+    amounts[POND_LID] = pond * c.level[n, POND_LID]
+
+
+@jit
+def level_shares(c, n, amounts):
+    """Set what `level_amounts` gives back as shares and depths."""
+    area, pond = amounts[LEVEL_AREA], amounts[POND_AREA]
+    c.level[n, LEVEL_AREA] = area / c.area[n] if c.area[n] > 0.0 else 0.0
+    c.level[n, LEVEL_VOLUME] = amounts[LEVEL_VOLUME] / c.ice[n] if c.ice[n] > 0.0 else 0.0
+    wet = area > 0.0 and pond > 0.0
+    c.level[n, POND_AREA] = pond / area if wet else 0.0
+    c.level[n, POND_DEPTH] = amounts[POND_DEPTH] / pond if wet else 0.0
+    c.level[n, POND_LID] = amounts[POND_LID] / pond if wet else 0.0
+
+
+@jit
+def category_water(c, n):
+    """Water in the ponds of category n (m of water per area of the element)."""
+    pond = c.area[n] * c.level[n, LEVEL_AREA] * c.level[n, POND_AREA]
+    return pond * c.level[n, POND_DEPTH]
+
+
+@jit
+def pond_water(c):
+    """Water in the ponds of all categories (m of water per area of the element)."""
+    water = 0.0
+    for n in range(c.area.size):
+        water += category_water(c, n)
+    return water

@@ -12,6 +12,8 @@ from floeflow.column.records import (
     SALT_TO_ICE,
     category_energy,
     category_salt,
+    level_amounts,
+    level_shares,
 )
 
 
@@ -51,21 +53,21 @@ def open_area(c, before, least):
 
 
 @jit
-def rebin(c, bounds):
+def rebin(c, s, bounds):
     """Move categories whose ice has left their bounds to the neighbour, whole."""
     last = c.area.size
     if c.area[0] > TINY and bounds[0] > 0.0 and c.ice[0] <= bounds[0] * c.area[0]:
         c.area[0] = c.ice[0] / bounds[0]
     for n in range(last - 1):
         if c.area[n] > TINY and c.ice[n] > bounds[n + 1] * c.area[n]:
-            merge(c, n, n + 1)
+            merge(c, s, n, n + 1)
     for n in range(last - 1, 0, -1):
         if c.area[n] > TINY and c.ice[n] <= bounds[n] * c.area[n]:
-            merge(c, n, n - 1)
+            merge(c, s, n, n - 1)
 
 
 @jit
-def merge(c, n, into):
+def merge(c, s, n, into):
     """Put all of category n into another."""
     area, ice, snow = c.area[n] + c.area[into], c.ice[n] + c.ice[into], c.snow[n] + c.snow[into]
     c.surface[into] = (c.surface[n] * c.area[n] + c.surface[into] * c.area[into]) / area
@@ -74,11 +76,16 @@ def merge(c, n, into):
         c.ice_enthalpy[into, k] = energy / ice
         salt = c.salinity[n, k] * c.ice[n] + c.salinity[into, k] * c.ice[into]
         c.salinity[into, k] = salt / ice
+    level_amounts(c, n, s.level[n])
+    level_amounts(c, into, s.level[into])
+    for k in range(s.level.shape[1]):
+        s.level[into, k] += s.level[n, k]
     if snow > 0.0:
         for k in range(c.snow_enthalpy.shape[1]):
             energy = c.snow_enthalpy[n, k] * c.snow[n] + c.snow_enthalpy[into, k] * c.snow[into]
             c.snow_enthalpy[into, k] = energy / snow
     c.area[into], c.ice[into], c.snow[into] = area, ice, snow
+    level_shares(c, into, s.level[into])
     empty(c, n, c.surface[into])
 
 
@@ -90,6 +97,7 @@ def empty(c, n, temperature):
     c.ice_enthalpy[n, :] = 0.0
     c.salinity[n, :] = 0.0
     c.snow_enthalpy[n, :] = 0.0
+    c.level[n, :] = 0.0
 
 
 @jit

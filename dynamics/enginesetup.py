@@ -88,7 +88,9 @@ def contact_reach(elements: Arrays, contacts: Arrays, params: EngineParams) -> f
         return 1.0
     lo, hi = (np.searchsorted(elements["id"], contacts[name]) for name in ("id_lo", "id_hi"))
     radii = elements["radius"][lo] + elements["radius"][hi]
-    return float(np.max(1.0 - np.minimum(contacts["rest_overlap"], 0.0) / radii)) * 1.002
+    distance = np.hypot(*(elements[axis][hi] - elements[axis][lo] for axis in ("x", "y")))
+    touching = radii - np.minimum(contacts["rest_overlap"], 0.0)
+    return float(np.max(np.maximum(touching, distance) / radii)) * 1.002
 
 
 def bond_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> float:

@@ -80,7 +80,7 @@ def advance_window(
     motion = move(comm, scene, state, forcing, log, report)
     state = motion.state
     budget |= volumes(state, "dynamics")
-    began = time.perf_counter()
+    began, used = time.perf_counter(), time.process_time()
     if "thermodynamics" in scene.effects:
         state, terms = advance_columns(comm, scene, state, forcing, (start, end))
         budget |= terms
@@ -89,6 +89,7 @@ def advance_window(
         state, formed = freeze_window(scene, state, touched, forcing, (start, end))
         budget["bonds_refrozen"] = formed
     seconds = time.perf_counter() - began
+    cpu = comm.allreduce(time.process_time() - used)
     budget |= volumes(state, "end")
     state.attrs = {
         **state.attrs,
@@ -96,15 +97,17 @@ def advance_window(
         "window": int(state.attrs["window"]) + 1,
     }
     series = series_dataset(motion, budget, start)
-    return Advanced(state, series, _costs(scene, comm.size, motion, seconds))
+    return Advanced(state, series, _costs(scene, comm.size, motion, (seconds, cpu)))
 
 
-def _costs(scene: Scene, ranks: int, motion: Motion, column_seconds: float) -> list[Record]:
+def _costs(scene: Scene, ranks: int, motion: Motion, column: tuple[float, float]) -> list[Record]:
+    """Records of a window; of the column, wall and processor seconds."""
     n = motion.state.sizes["element"]
     speed = n * motion.steps / motion.seconds if motion.seconds else 0.0
     figures = {
         "steps": motion.steps,
         "element_steps_per_s": speed,
+        "cpu_seconds": motion.cpu_seconds,
         "time_step": motion.time_step,
         "limited_by": motion.limited_by,
     }
@@ -113,7 +116,8 @@ def _costs(scene: Scene, ranks: int, motion: Motion, column_seconds: float) -> l
         Record("dynamics", n, ranks, [motion.seconds], extra=figures),
     ]
     if "thermodynamics" in scene.effects:
-        records.append(Record("column", n, ranks, [column_seconds]))
+        cpu = {"cpu_seconds": column[1]}
+        records.append(Record("column", n, ranks, [column[0]], extra=cpu))
     return records
 
 

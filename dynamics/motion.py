@@ -15,8 +15,11 @@ from mpi4py import MPI
 
 from floeflow.config import Scene
 from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.dynamics.collective import on_root
 from floeflow.dynamics.elements import Arrays, element_arrays, moved_state, pair_arrays
+from floeflow.dynamics.energycheck import check_energy
 from floeflow.dynamics.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.overlaps import rest_overlaps
 from floeflow.dynamics.ridging import close_areas
 from floeflow.dynamics.timestep import critical_step
 from floeflow.effects import plugin_switches
@@ -40,6 +43,7 @@ class Motion:
     limited_by: str = ""
     setup_seconds: float = 0.0
     seconds: float = 0.0
+    cpu_seconds: float = 0.0
     samples: dict[str, list[float]] = field(default_factory=dict)
     budget: dict[str, float] = field(default_factory=dict)
     # Given by each wall until the last sample, N s, (walls, 2).
@@ -125,7 +129,8 @@ def move(
     if not (elements["type"] == MOBILE).any():
         return _still(scene, state)
     bonds = pair_arrays(state, "bond") if "bonds" in scene.effects else None
-    step, between, limited_by = choose_step(scene, elements, bonds)
+    # On one rank: eigenvalues from unlike processors may differ in their last bit.
+    step, between, limited_by = on_root(comm, choose_step, scene, elements, bonds)
     params = engine_params(scene, step)
     motion = Motion(state, between * scene.dynamics.samples, step, limited_by)
     log.parent.mkdir(parents=True, exist_ok=True)
@@ -134,7 +139,8 @@ def move(
         pair_arrays(state, f"wall_{kind}") if walled else None for kind in ("face", "contact")
     )
     with Engine(comm, params, log, faces) as engine:
-        contacts, start = pair_arrays(state, "contact"), float(state.attrs["time"])
+        contacts = rest_overlaps(elements, bonds, pair_arrays(state, "contact"))
+        start = float(state.attrs["time"])
         engine.load(elements, bonds, contacts, start, held)
         if params.external:
             engine.set_forcing(engine_forcing(forcing, params.external))
@@ -143,17 +149,20 @@ def move(
         if walled:
             _sample_walls(motion, scene, engine, 0.0)
         motion.setup_seconds = time.perf_counter() - began
-        began = time.perf_counter()
+        began, used = time.perf_counter(), time.process_time()
         for k in range(1, scene.dynamics.samples + 1):
             engine.run(between)
             sums = engine.diagnostics()
-            _sample(motion, scene, engine.elements(), sums, k * between * step)
+            here = engine.elements()
+            check_energy(first, sums, here, k * between)
+            _sample(motion, scene, here, sums, k * between * step)
             if walled:
                 _sample_walls(motion, scene, engine, between * step)
             seconds = time.perf_counter() - began
             n = len(elements["id"])
             report(step=k * between, steps=motion.steps, elements=n, dynamics_seconds=seconds)
         motion.seconds = time.perf_counter() - began
+        motion.cpu_seconds = comm.allreduce(time.process_time() - used)
         motion.budget = _budget(scene, first, sums)
         left = engine.bonds() if bonds is not None else None
         moved = engine.elements()

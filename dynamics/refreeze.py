@@ -2,8 +2,9 @@
 """Refreezing at a window's end: elements that stay in touch in the cold freeze together.
 
 New bonds begin thin and thicken as ice grows in a crack (Stefan's law), and so do old bonds that
-are thinner than the ice beside them. Ice that forms in between is free of stress, so a bond keeps
-its force while its strength grows. Pure functions on the state.
+are thinner than the ice beside them; cracked parts of bonds that hold freeze again. Ice that forms
+in between is free of stress, so a bond keeps its force while its strength grows. Pure functions on
+the state.
 """
 
 from __future__ import annotations
@@ -17,9 +18,10 @@ import xarray as xr
 from floeflow.dynamics.bondtable import EDGE_SHARE, Arrays, element_rows, new_bonds
 from floeflow.dynamics.elements import joint_thickness, pair_arrays
 from floeflow.dynamics.engineparams import EngineParams
+from floeflow.dynamics.glueline import displaced, healed, loaded_less_than, thickened
 from floeflow.state.schema import MOBILE, VARIABLES
 
-# A new bond that would have to bear more than this share of its strength does not form yet.
+# A bond that would have to bear more than this share of its strength does not form or heal yet.
 MOST_LOAD = 0.5
 
 
@@ -87,15 +89,16 @@ def refreeze(
     """
     elements = {name: state[name].values for name in ("id", "type", "x", "y", "theta", "radius")}
     elements["thickness"] = joint_thickness(state)
-    bonds = thicken(pair_arrays(state, "bond"), elements, air, cold, window)
+    weather = elements, air, cold, window
+    bonds = heal(thicken(pair_arrays(state, "bond"), *weather), *weather, params)
     contacts = pair_arrays(state, "contact")
     contacts["touch_time"] = touch_times(contacts, touched, elements, air, cold, window)
-    made, healed = freeze(contacts, elements, cold, params)
+    made, frozen = freeze(contacts, elements, cold, params)
     bonds = {name: np.concatenate([bonds[name], made[name]]) for name in bonds}
     order = np.lexsort((bonds["id_hi"], bonds["id_lo"]))
     tables = {
         "bond": {name: values[order] for name, values in bonds.items()},
-        "contact": {name: values[~healed] for name, values in contacts.items()},
+        "contact": {name: values[~frozen] for name, values in contacts.items()},
     }
     keep = [name for name in state.variables if not str(name).startswith(("bond_", "contact_"))]
     out = state[keep].copy()
@@ -103,19 +106,37 @@ def refreeze(
         for name, values in table.items():
             full = f"{kind}_{name}"
             out[full] = (kind, values.astype(VARIABLES[full].dtype, copy=False))
-    return out, int(healed.sum())
+    return out, int(frozen.sum())
 
 
 def thicken(bonds: Arrays, elements: Arrays, air: Air, cold: Cold, window: float) -> Arrays:
     """Bonds after a window of growth: no thicker than the ice beside them, force as before."""
     lo, hi = _rows(bonds, elements)
-    degrees = np.maximum(cold.freezing_point - _air_between(elements, lo, hi, air), 0.0)
-    grown = np.sqrt(bonds["thickness"] ** 2 + cold.growth * degrees * window)
+    grown = np.sqrt(bonds["thickness"] ** 2 + _growth(bonds, elements, air, cold, window))
     beside = np.minimum(elements["thickness"][lo], elements["thickness"][hi])
     thickness = np.maximum(bonds["thickness"], np.minimum(grown, beside))
-    # The line force is stiffness times displacement, and stiffness grows with thickness.
-    out = scale_displacement(bonds, elements, bonds["thickness"] / thickness)
-    return out | {"thickness": thickness}
+    return thickened(bonds, elements, thickness)
+
+
+def heal(
+    bonds: Arrays, elements: Arrays, air: Air, cold: Cold, window: float, params: EngineParams
+) -> Arrays:
+    """Bonds after their cracks have frozen for a window: shorter cracks, force as before.
+
+    Ice in a crack is as thick as the bond after h^2 / growth; until then a third of it is missing
+    on average. Cracks close by 1/e in a third of that time: in sum as much is missing. The
+    longer line bears an eccentric load: where that is too much, the cracks stay.
+    """
+    grown = _growth(bonds, elements, air, cold, window) / bonds["thickness"] ** 2
+    longer = healed(bonds, elements, np.exp(-3.0 * grown))
+    good = loaded_less_than(MOST_LOAD, longer, elements, params)
+    return {name: np.where(good, longer[name], bonds[name]) for name in bonds}
+
+
+def _growth(bonds: Arrays, elements: Arrays, air: Air, cold: Cold, window: float) -> np.ndarray:
+    """By how much the squared thickness of ice in a crack of each bond grows in a window, m2."""
+    between = _air_between(elements, *_rows(bonds, elements), air)
+    return np.asarray(cold.growth * np.maximum(cold.freezing_point - between, 0.0) * window)
 
 
 def touch_times(
@@ -163,58 +184,23 @@ def freeze(
     bearable = MOST_LOAD * params.bond_strength(thickness) * thickness * length
     mobile = [elements["type"][row] == MOBILE for row in (lo, hi)]
     joined = (mobile[0] | mobile[1]) if cold.to_coast else (mobile[0] & mobile[1])
-    healed = (contacts["touch_time"] >= cold.touch_time) & joined
-    healed &= (contacts["touch_time"] > 0) & (thickness > 0) & (push <= bearable)
+    frozen = (contacts["touch_time"] >= cold.touch_time) & joined
+    frozen &= (contacts["touch_time"] > 0) & (thickness > 0) & (push <= bearable)
 
     def at(values: np.ndarray) -> np.ndarray:
-        return np.asarray(values)[healed]
+        return np.asarray(values)[frozen]
 
     nx, ny = at(dx) / at(span), at(dy) / at(span)
     arm, half = at(span * radii[0] / (radii[0] + radii[1])), 0.5 * at(length)
-    cx, cy = elements["x"][lo[healed]] + arm * nx, elements["y"][lo[healed]] + arm * ny
+    cx, cy = elements["x"][lo[frozen]] + arm * nx, elements["y"][lo[frozen]] + arm * ny
     made = new_bonds(
         elements,
         *(at(contacts["id_lo"]), at(contacts["id_hi"])),
         *(cx + half * ny, cy - half * nx, cx - half * ny, cy + half * nx),
         at(thickness),
     )
-    squeeze = -at(push) / np.where(at(push) > 0, at(stiffness), 1.0)
-    zero = np.zeros(len(squeeze))
-    return scale_displacement(made, elements, zero, squeeze * nx, squeeze * ny), healed
-
-
-def scale_displacement(
-    bonds: Arrays,
-    elements: Arrays,
-    factor: np.ndarray,
-    x: np.ndarray | float = 0.0,
-    y: np.ndarray | float = 0.0,
-) -> Arrays:
-    """Bonds whose displacement is multiplied by a factor, and then moved by (x, y) in m.
-
-    The midline stays: each element's line moves by half of the change.
-    """
-    lo, hi = _rows(bonds, elements)
-    out = dict(bonds)
-    for end in "ab":
-        low, high = (_world(bonds, elements, s, end, r) for s, r in (("lo", lo), ("hi", hi)))
-        for side, row, sign in (("lo", lo, 0.5), ("hi", hi, -0.5)):
-            # Displacement is high - low; the change is split between both.
-            ex = sign * ((1.0 - factor) * (high[0] - low[0]) - x)
-            ey = sign * ((1.0 - factor) * (high[1] - low[1]) - y)
-            cos, sin = np.cos(elements["theta"][row]), np.sin(elements["theta"][row])
-            out[f"{side}_{end}x"] = bonds[f"{side}_{end}x"] + cos * ex + sin * ey
-            out[f"{side}_{end}y"] = bonds[f"{side}_{end}y"] + cos * ey - sin * ex
-    return out
-
-
-def _world(
-    bonds: Arrays, elements: Arrays, side: str, end: str, row: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """An end of the line on one element, m."""
-    cos, sin = np.cos(elements["theta"][row]), np.sin(elements["theta"][row])
-    ax, ay = bonds[f"{side}_{end}x"], bonds[f"{side}_{end}y"]
-    return elements["x"][row] + cos * ax - sin * ay, elements["y"][row] + sin * ax + cos * ay
+    squeeze = -at(push) / np.where(at(push) > 0, at(stiffness), 1.0) * (nx + 1j * ny)
+    return displaced(made, elements, squeeze, squeeze), frozen
 
 
 def _rows(pairs: Arrays, elements: Arrays) -> tuple[np.ndarray, np.ndarray]:

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from scipy.spatial import cKDTree
 
 from floeflow.dynamics.bondtable import Arrays, element_rows
+from floeflow.dynamics.crushing import stand_clear
 from floeflow.dynamics.elements import element_arrays
-from floeflow.dynamics.wallridges import shift_wall_contacts, wall_overlaps
+from floeflow.dynamics.wallridges import shift_wall_contacts
 from floeflow.errors import FloeError
 from floeflow.state.schema import COAST
 
-# Ridges may overlap by this share of the smaller radius at a window's end; no disc shrinks below
-# the second share of the radius of a disc with its area.
-OVERLAP, SMALLEST = 0.05, 0.1
+# Neighbours whose discs are no further apart than this share of their radii's sum keep their gaps.
+NEAR = 0.05
 # Per effective area, so that they grow as it shrinks.
 _VOLUMES = ("ice_volume", "snow_volume")
 
@@ -75,12 +76,11 @@ def close_areas(
     closed.attrs = {**state.attrs, "unclaimed_water": water}
     before = element_arrays(state, minimum_thickness)
     after = element_arrays(closed, minimum_thickness)
-    after["radius"] = closed["radius"].values - _crushed(closed, before, after, time)
-    after |= _pushed_along(closed, before, after)
+    after |= stand_clear(closed, before, after, time)
     for name in ("radius", "x", "y"):
         closed[name] = ("element", after[name])
     closed = _shift_contacts(closed, before, after)
-    walled = "wall_contact_id" in closed
+    walled = "wall_contact_ridge_closing" in closed
     return shift_wall_contacts(closed, before, after, time) if walled else closed
 
 
@@ -90,88 +90,60 @@ def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarra
     return np.asarray(a * b / (a + b))
 
 
-def _crushed(state: xr.Dataset, before: Arrays, after: Arrays, time: float) -> np.ndarray:
-    """How much (m) each disc must shrink so that ridges overlap no more than `OVERLAP`, (n,).
+def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:
+    """Let contacts keep their elastic forces, and gaps between neighbours their widths.
 
-    A ridge takes ice from one side, a smaller disc takes it from all: where elements have ridged
-    far on one side, the disc is the largest that stands clear of its ridges. Its other contacts
-    reach across the gaps that it leaves.
+    A ridge takes ice from one side of an element, its disc shrinks on all: what lies on the other
+    sides must not be further off for that. Pairs that are open and apart are forgotten.
     """
-    lo, hi, over, share = _excess(state, before, after)
-    radius, coast = after["radius"], after["type"] == COAST
-    out = np.zeros(len(radius))
-    for row, part in ((lo, share), (hi, 1.0 - share)):
-        np.maximum.at(out, row, part * over)
-    if "wall_contact_id" in state:
-        held = wall_overlaps(state, before, after, time)
-        clear = (1.0 - OVERLAP) * radius[held.row] - np.maximum(held.elastic, 0.0)
-        closing = state["wall_contact_ridge_closing"].values
-        np.maximum.at(out, held.row, np.minimum(clear - held.distance, closing))
-    least = SMALLEST * np.sqrt(state["area"].values / np.pi)
-    return np.where(coast, 0.0, np.clip(out, 0.0, np.maximum(radius - least, 0.0)))
-
-
-def _pushed_along(state: xr.Dataset, before: Arrays, after: Arrays) -> Arrays:
-    """Places (m) of the elements: one whose disc cannot stand clear any more is pushed along.
-
-    That is thin ice of which a ridge has used up all that lay on one side. Its forces stay: what
-    moves is the place from which its contacts are measured. Bonded elements stay where they are.
-    """
-    lo, hi, over, share = _excess(state, before, after)
-    dx, dy = after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo]
-    over = np.maximum(over, 0.0) / np.maximum(np.hypot(dx, dy), 1.0)
-    x, y = after["x"].copy(), after["y"].copy()
-    for row, part in ((lo, -share), (hi, 1.0 - share)):
-        np.add.at(x, row, part * over * dx)
-        np.add.at(y, row, part * over * dy)
-    stays = after["type"] == COAST
-    if "bond_id_lo" in state:
-        ids = np.concatenate([state["bond_id_lo"].values, state["bond_id_hi"].values])
-        stays |= np.isin(after["id"], ids)
-    return {"x": np.where(stays, after["x"], x), "y": np.where(stays, after["y"], y)}
-
-
-def _excess(
-    state: xr.Dataset, before: Arrays, after: Arrays
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Rows of each contact's elements, overlap beyond `OVERLAP` (m), share of it that lo gives."""
-    lo, hi, elastic, _ = _elastic(state, before, after)
-    radius = after["radius"]
-    distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
-    over = radius[lo] + radius[hi] - distance - np.maximum(elastic, 0.0)
-    over = over - OVERLAP * np.minimum(radius[lo], radius[hi])
-    # Overlap of other origin (a broken bond, a disc that the rim cuts) stays.
-    over = np.minimum(over, state["contact_ridge_closing"].values)
-    h, coast = after["thickness"], after["type"] == COAST
-    share = np.where(coast[lo], 0.0, np.where(coast[hi], 1.0, h[hi] / (h[lo] + h[hi])))
-    return lo, hi, over, share
-
-
-def _elastic(
-    state: xr.Dataset, before: Arrays, after: Arrays
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Rows of both elements of each contact, its elastic overlap (m) and old over new stiffness."""
+    state = _with_neighbours(state, before, after)
     ids = before["id"]
     lo, hi = (element_rows(ids, state[f"contact_id_{end}"].values) for end in ("lo", "hi"))
     distance = np.hypot(before["x"][hi] - before["x"][lo], before["y"][hi] - before["y"][lo])
-    overlap = before["radius"][lo] + before["radius"][hi] - distance
-    elastic = overlap - state["contact_rest_overlap"].values
+    reach, shrunk = (r[lo] + r[hi] for r in (before["radius"], after["radius"]))
+    elastic = reach - distance - state["contact_rest_overlap"].values
     # Thicker ice is stiffer: less overlap holds the same force. A gap stays as wide as it is.
     softer = contact_share(before, lo, hi) / contact_share(after, lo, hi)
-    return lo, hi, np.where(elastic > 0, elastic * softer, elastic), softer
-
-
-def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:
-    """Let contacts keep their elastic forces; those that are open and apart are forgotten."""
-    lo, hi, elastic, softer = _elastic(state, before, after)
+    elastic = np.where(elastic > 0, elastic * softer, elastic)
     distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
-    now = after["radius"][lo] + after["radius"][hi] - distance
+    rest = shrunk - distance - elastic
     # Where an element is nearly used up, its ridges are no thinner than half of its ice.
     thin = 0.5 * np.minimum(after["thickness"][lo], after["thickness"][hi])
     ridge = state["contact_ridge_thickness"].values
     shifted = state.assign(
-        contact_rest_overlap=("contact", now - elastic),
+        contact_rest_overlap=("contact", rest),
         contact_slip=("contact", state["contact_slip"].values * softer),
         contact_ridge_thickness=("contact", np.where(ridge > 0, np.maximum(ridge, thin), ridge)),
     )
-    return shifted.isel(contact=np.flatnonzero((elastic > 0) | (now > 0)))
+    # What is open and has built no ridge starts anew, with the ice of then, where it touches.
+    anew = (elastic <= 0) & (state["contact_ridge_closing"].values == 0)
+    for name in ("contact_ridge_thickness", "contact_ridge_length"):
+        shifted[name] = ("contact", np.where(anew, 0.0, shifted[name].values))
+    near = (rest < 0) & (elastic > -NEAR * reach)
+    return shifted.isel(contact=np.flatnonzero((elastic > 0) | (shrunk > distance) | near))
+
+
+def _with_neighbours(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:
+    """State whose contacts include the open pairs beside elements that became smaller."""
+    ids, radius, fixed = before["id"], before["radius"], before["type"] == COAST
+    smaller = after["radius"] < radius
+    places = np.column_stack([before["x"], before["y"]])
+    widest = 2 * (1 + NEAR) * float(radius.max(initial=0.0))
+    pairs = cKDTree(places).query_pairs(widest, output_type="ndarray").reshape(-1, 2)
+    lo, hi = np.sort(pairs, axis=1).T
+    reach = radius[lo] + radius[hi]
+    gap = np.hypot(*(places[hi] - places[lo]).T) - reach
+    near = (gap >= 0) & (gap < NEAR * reach) & (smaller[lo] | smaller[hi])
+    near &= ~(fixed[lo] & fixed[hi])
+    for kind in ("bond", "contact"):
+        if f"{kind}_id_lo" in state:
+            one, two = (element_rows(ids, state[f"{kind}_id_{e}"].values) for e in ("lo", "hi"))
+            near &= ~np.isin(lo * len(ids) + hi, one * len(ids) + two)
+    names = [str(name) for name in state.variables if str(name).startswith("contact_")]
+    fresh = {name: np.zeros(near.sum(), state[name].dtype) for name in names}
+    fresh |= {"contact_id_lo": ids[lo[near]], "contact_id_hi": ids[hi[near]]}
+    table = {name: np.append(state[name].values, fresh[name]) for name in names}
+    order = np.lexsort((table["contact_id_hi"], table["contact_id_lo"]))
+    return state.drop_vars(names).assign(
+        {name: ("contact", values[order]) for name, values in table.items()}
+    )

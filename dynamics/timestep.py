@@ -2,25 +2,37 @@
 """The largest stable time step, and which bond or contact sets it.
 
 The leapfrog step with damping taken at the old velocity is stable while 4 M - 2 dt C - dt^2 K is
-positive. A pair's stiffness matrix is at most twice its blocks on the diagonal (for any vectors
-a, b: (a - b)^2 <= 2 a^2 + 2 b^2), so the condition can be asked element by element: a block form
-of Gershgorin's bound, sharp for the translations of a regular lattice. Drag and Coriolis force
-set no limit: they are implicit.
+positive: while the largest eigenvalue of 2 dt C + dt^2 K, scaled by the masses, stays below 4.
+The bonds' network is in it as it is, so for bonded ice the limit is sharp; contacts, which come
+and go, are bounded from above. Drag and Coriolis force set no limit: they are implicit.
 """
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
-from floeflow.dynamics.bondtable import Arrays, element_rows, line_length
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import ArpackNoConvergence, eigsh
+
+from floeflow.dynamics.bondtable import Arrays, line_length
 from floeflow.dynamics.engineparams import FIXED, EngineParams
+from floeflow.dynamics.stiffness import Stiffness, pack_stiffness
 from floeflow.errors import FloeError
+
+# Rounds in which the step and the fastest motion at that step are brought into line, and how
+# close they have to come.
+ROUNDS, CLOSE = 20, 5e-3
+# Lanczos' iteration comes from below to within this share.
+TOLERANCE = 2e-2
+# Matrices up to this size are not worth an iteration.
+DENSE = 200
 
 
 def critical_step(
     elements: Arrays, bonds: Arrays | None, params: EngineParams
 ) -> tuple[float, str]:
-    """Bound from below on the critical time step.
+    """Critical time step, from below.
 
     Parameters
     ----------
@@ -46,109 +58,68 @@ def critical_step(
     mobile = np.asarray(elements["type"]) != FIXED
     if not mobile.any():
         raise FloeError("All elements are fixed: there is no critical time step.")
-    n = len(mobile)
-    stiffness, damping = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
-    neighbours = np.zeros(n)
-    if params.bonds and bonds is not None and len(bonds["id_lo"]):
-        for row, block, viscous in _bond_blocks(elements, bonds, params):
-            np.add.at(stiffness, row, block)
-            np.add.at(damping, row, viscous)
-            np.add.at(neighbours, row, 1.0)
-    from_bonds = _largest(stiffness, elements)
-    _add_contacts(stiffness, damping, np.maximum(_room(elements) - neighbours, 0), elements, params)
-    k, c = 2.0 * _largest(stiffness, elements), 2.0 * _largest(damping, elements)
-    # dt^2 k + 2 dt c = 4
-    with np.errstate(divide="ignore"):
-        steps = np.where(mobile, 4.0 / (c + np.sqrt(c * c + 4.0 * k)), np.inf)
-    worst = int(np.argmin(steps))
-    by_bonds = from_bonds[worst] > 0.5 * 0.5 * k[worst]
-    return float(steps[worst]), _reason(worst, by_bonds, elements, bonds, params)
+    pack = pack_stiffness(elements, bonds, params)
+    step, motion = _limit(pack)
+    row = int(np.argmax(np.square(motion).reshape(-1, 3).sum(axis=1)))
+    return step, _reason(row, elements, bonds, params)
 
 
-def _largest(blocks: np.ndarray, elements: Arrays) -> np.ndarray:
-    # Rotation in units of length times radius: mass m, m, m / 2.
-    scale = np.array([1.0, 1.0, np.sqrt(2.0)])
-    weighted = blocks * scale[:, None] * scale[None, :]
-    return np.linalg.eigvalsh(weighted)[:, -1] / elements["mass"]
-
-
-def _bond_blocks(
-    elements: Arrays, bonds: Arrays, params: EngineParams
-) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Rows, stiffness (N/m) and damping (N s/m) of x, y and rotation times radius, either side."""
-    lo = element_rows(elements["id"], bonds["id_lo"])
-    hi = element_rows(elements["id"], bonds["id_hi"])
-    length = line_length(bonds)
-    normal = params.young_modulus * bonds["thickness"] / bonds["span"]
-    shear = params.shear_modulus * bonds["thickness"] / bonds["span"]
-    reduced = _reduced_mass(elements, lo, hi)
-    viscous = 2.0 * params.bond_damping * np.sqrt(reduced / length)
-    out = []
-    for side, row in (("lo", lo), ("hi", hi)):
-        radius = elements["radius"][row]
-        cos, sin = np.cos(elements["theta"][row]), np.sin(elements["theta"][row])
-        ends = []
-        for end in ("a", "b"):
-            ax, ay = bonds[f"{side}_{end}x"], bonds[f"{side}_{end}y"]
-            ends.append((cos * ax - sin * ay, sin * ax + cos * ay))
-        (ax, ay), (bx, by) = ends
-        tx, ty = (bx - ax) / length, (by - ay) / length
-        mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
-        zero = np.zeros(len(row))
-        along_n = np.stack([ty, -tx, (mx * -tx - my * ty) / radius], axis=1)
-        along_t = np.stack([tx, ty, (mx * ty - my * tx) / radius], axis=1)
-        bending = np.stack([zero, zero, length / np.sqrt(12.0) / radius], axis=1)
-        block, damped = np.zeros((len(row), 3, 3)), np.zeros((len(row), 3, 3))
-        for mode, per_length in ((along_n, normal), (bending, normal), (along_t, shear)):
-            outer = mode[:, :, None] * mode[:, None, :]
-            block += (length * per_length)[:, None, None] * outer
-            damped += (length * viscous * np.sqrt(per_length))[:, None, None] * outer
-        out.append((row, block, damped))
-    return out
-
-
-def _reduced_mass(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
-    inverse = np.where(np.asarray(elements["type"]) == FIXED, 0.0, 1.0 / elements["mass"])
-    return 1.0 / (inverse[lo] + inverse[hi])
-
-
-def _room(elements: Arrays) -> np.ndarray:
-    """How many of the smallest elements find room around each one: 6 where all are equal."""
-    small = elements["radius"].min()
-    return np.pi / np.arcsin(small / (elements["radius"] + small))
-
-
-def _add_contacts(
-    stiffness: np.ndarray,
-    damping: np.ndarray,
-    count: np.ndarray,
-    elements: Arrays,
-    params: EngineParams,
-) -> None:
-    """Contacts that may come to be: `count` of them around each element, with the thickest ice."""
-    thickest = elements["thickness"].max()
-    h = elements["thickness"]
-    with np.errstate(invalid="ignore"):
-        k = params.contact_modulus * np.where(h > 0, h * thickest / (h + thickest), 0.0)
-    ratio = params.contact_shear_ratio if params.friction else 0.0
-    # A partner of the same or larger mass: the reduced mass is at most the element's own.
-    c = 2.0 * params.contact_damping * np.sqrt(k * elements["mass"])
-    for matrix, value, share in ((stiffness, k, ratio), (damping, c, np.sqrt(ratio))):
-        matrix[:, 0, 0] += 0.5 * count * (1.0 + share) * value
-        matrix[:, 1, 1] += 0.5 * count * (1.0 + share) * value
-        matrix[:, 2, 2] += count * share * value
-
-
-def _reason(
-    row: int, by_bonds: bool, elements: Arrays, bonds: Arrays | None, params: EngineParams
-) -> str:
-    ident = int(elements["id"][row])
-    if not by_bonds or bonds is None:
-        return (
-            f"contacts of element {ident} (radius {elements['radius'][row]:.4g} m, "
-            f"thickness {elements['thickness'][row]:.4g} m)"
+def _limit(pack: Stiffness) -> tuple[float, np.ndarray]:
+    """Step (s) at which the fastest motion becomes unstable, and that motion, shape (3 n,)."""
+    motion = np.random.default_rng(0).normal(size=pack.stiffness.shape[0])
+    step, fallback = _step_of_rows(pack)
+    if not np.isfinite(step):
+        return step, motion
+    for _ in range(ROUNDS):
+        try:
+            motion = _fastest(step**2 * pack.stiffness + 2.0 * step * pack.damping, motion)
+        except ArpackNoConvergence:
+            return _step_of_rows(pack)[0], fallback
+        last, step = (
+            step,
+            _step_of(
+                float(motion @ (pack.stiffness @ motion)), float(motion @ (pack.damping @ motion))
+            ),
         )
+        if abs(step - last) < CLOSE * step:
+            break
+    # An eigenvalue too low by a share makes a step too long by half of it.
+    return step * (1.0 - CLOSE - 0.5 * TOLERANCE), motion
+
+
+def _step_of(k: float, c: float) -> float:
+    """Step (s) at which dt^2 k + 2 dt c = 4."""
+    return 4.0 / (c + math.sqrt(c * c + 4.0 * k)) if max(k, c) > 0.0 else math.inf
+
+
+def _step_of_rows(pack: Stiffness) -> tuple[float, np.ndarray]:
+    """Step below the limit (s), and the motion of the row that sets it.
+
+    No eigenvalue is above the largest sum of a row (Gershgorin).
+    """
+    k, c = abs(pack.stiffness).sum(axis=1), abs(pack.damping).sum(axis=1)
+    worst = int(np.argmax(k))
+    return _step_of(float(k[worst]), float(c.max())), np.eye(1, len(k), worst)[0]
+
+
+def _fastest(matrix: sp.csr_array, guess: np.ndarray) -> np.ndarray:
+    """Eigenvector of the largest eigenvalue, of length 1."""
+    if matrix.shape[0] <= DENSE:
+        return np.asarray(np.linalg.eigh(matrix.toarray())[1][:, -1])
+    return np.asarray(eigsh(matrix, k=1, which="LA", v0=guess, tol=TOLERANCE)[1][:, 0])
+
+
+def _reason(row: int, elements: Arrays, bonds: Arrays | None, params: EngineParams) -> str:
+    ident = int(elements["id"][row])
+    contacts = (
+        f"contacts of element {ident} (radius {elements['radius'][row]:.4g} m, "
+        f"thickness {elements['thickness'][row]:.4g} m)"
+    )
+    if not params.bonds or bonds is None:
+        return contacts
     mine = np.flatnonzero((bonds["id_lo"] == ident) | (bonds["id_hi"] == ident))
+    if len(mine) == 0:
+        return contacts
     stiff = line_length(bonds)[mine] * bonds["thickness"][mine] / bonds["span"][mine]
     k = int(mine[np.argmax(stiff)])
     return (

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import os
+import resource
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +18,9 @@ from typing import Any, Protocol
 from floeflow.config import Scene, load_scene
 from floeflow.errors import FloeError
 from floeflow.lock import hold_job
+
+# Studies read from the logs what each stage cost.
+CPU_LINE = "CPU time: "
 
 
 class Snakemake(Protocol):
@@ -41,6 +45,7 @@ def run(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
     try:
         with hold_job(scene_folder(snakemake)):
             main(snakemake)
+        logging.info("%s%.3f s", CPU_LINE, cpu_seconds())
     except FloeError as error:
         logging.error("%s", error)
         print(f"floeflow: {error}", file=sys.stderr, flush=True)
@@ -50,6 +55,14 @@ def run(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
     except Exception:
         logging.exception("unexpected fault")
         raise
+
+
+def cpu_seconds() -> float:
+    """CPU seconds of this process and of the children that it waited for."""
+    own, children = (
+        resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    )
+    return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
 
 
 def scene(snakemake: Snakemake) -> Scene:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Polygon meshes for ParaView, triangle meshes of walls: the only module that imports meshio.
+"""Polygon meshes as VTK files for ParaView, and meshes to read: the only module with meshio.
 
-meshio's last release is of 2024, so it may have to be replaced; what is asked of it is in two
+meshio's last release is of 2024, so it may have to be replaced; what is asked of it is in a few
 functions here. Polygons go in blocks of one number of corners, the form in which meshio takes them.
 """
 
@@ -59,6 +59,41 @@ def write_polygons(
         cell_data={name: [values[row] for row in rows] for name, values in cell_data.items()},
     )
     _write_whole(path, lambda temporary: mesh.write(temporary, file_format="vtu"))
+
+
+def read_faces(path: Path) -> tuple[Array, Array, Index]:
+    """Read the triangles and quadrilaterals of a mesh in any format of meshio.
+
+    Returns
+    -------
+    tuple of ndarray
+        Points x and y (m), (points,), and points of each face, (faces, 4), -1 ending a triangle's.
+
+    Raises
+    ------
+    FloeError
+        For a file that is missing, that meshio does not read, or that has other faces or none.
+    """
+    if not path.is_file():
+        raise FloeError(f"{path}: there is no such file")
+    try:
+        # meshio ends the process where it does not know a format, and raises what it likes else.
+        mesh = meshio.read(path)
+    except (Exception, SystemExit) as error:
+        raise FloeError(f"{path}: meshio cannot read it ({type(error).__name__})") from None
+    parts = []
+    for block in mesh.cells:
+        if block.dim != 2:
+            continue
+        corners = np.asarray(block.data, dtype=np.int64)
+        if block.type not in ("triangle", "quad", "polygon") or corners.shape[1] > 4:
+            raise FloeError(f"{path}: has faces of kind '{block.type}', not triangle or quad")
+        short = np.full((len(corners), 4 - corners.shape[1]), -1)
+        parts.append(np.concatenate([corners, short], axis=1))
+    if not parts:
+        raise FloeError(f"{path}: has no triangles or quadrilaterals")
+    x, y = (np.asarray(mesh.points[:, axis], dtype=np.float64) for axis in (0, 1))
+    return x, y, np.concatenate(parts)
 
 
 def read_triangles(path: Path) -> tuple[Array, Index]:

@@ -125,7 +125,7 @@ def layout(variables: dict[str, Variable], variable: Variable, path: str | Path)
     """
     roles: dict[str, str] = {}
     for dim in variable.dims:
-        role = _role(variables, dim)
+        role = dimension_kind(variables, dim)
         if role in roles:
             raise FloeError(f"{path}: variable '{variable.name}' has two dimensions of {role}")
         if role:
@@ -153,7 +153,8 @@ def _refuse_dims(variables: dict[str, Variable], variable: Variable, path: str |
     raise FloeError(f"{said}, which are not longitude and latitude, or projected x and y")
 
 
-def _role(variables: dict[str, Variable], dim: str) -> str:
+def dimension_kind(variables: dict[str, Variable], dim: str) -> str:
+    """What a dimension is: latitude, longitude, projected x or y, time, level; or empty."""
     coordinate = variables.get(dim)
     if coordinate is None or coordinate.dims != (dim,):
         return ""

@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What all tests share: a derandomised hypothesis, the project's folder, the reference data."""
+"""What all tests share: hypothesis, the project, reference data, figures on request."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
+import matplotlib
 import pytest
 from hypothesis import settings
+from matplotlib.figure import Figure
 
 PROJECT = Path(__file__).resolve().parents[1]
+
+Show = Callable[..., None]
 
 settings.register_profile("floeflow", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("floeflow")
@@ -28,3 +33,26 @@ def shared() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no reference data at {folder} (FLOEFLOW_SHARED names another folder)")
     return folder
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--figures", action="store_true", help="draw the figures in docs/images")
+
+
+@pytest.fixture
+def show(request: pytest.FixtureRequest) -> Show:
+    """Draw and save a figure in docs/images, where the command line asks for figures.
+
+    The folder there is that of the test below ``tests``: verification, stability.
+    """
+    folder = PROJECT / "docs/images" / request.path.relative_to(PROJECT / "tests").parts[0]
+
+    def save(name: str, draw: Callable[..., Figure], *data: object) -> None:
+        if not request.config.getoption("--figures"):
+            return
+        matplotlib.use("Agg")
+        folder.mkdir(parents=True, exist_ok=True)
+        # Without the version of Matplotlib in it, the same figure has the same bytes.
+        draw(*data).savefig(folder / f"{name}.png", dpi=100, metadata={"Software": None})
+
+    return save

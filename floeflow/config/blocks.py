@@ -179,7 +179,7 @@ class Time(Block):
 class Dynamics(Block):
     """The discrete element model."""
 
-    step_share: float = key(0.4, "Time step as a share of the critical one.", "1", gt=0, le=10)
+    step_share: float = key(0.65, "Time step as a share of the critical one.", "1", gt=0, le=10)
     allow_unstable_step: bool = key(
         False, "Allow a step_share above 1, at which ice may blow up; the run warns."
     )

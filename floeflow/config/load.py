@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -53,6 +53,14 @@ def load_scene(path: str | Path) -> Scene:
         One sentence that names the file and the key.
     """
     path = Path(path)
+    raw = _read(path)
+    try:
+        return parse_scene(raw, default_name=path.stem)
+    except FloeError as error:
+        raise FloeError(f"{path}: {error}") from None
+
+
+def _read(path: Path) -> bytes:
     try:
         raw = path.read_bytes()
     except OSError as error:
@@ -60,14 +68,28 @@ def load_scene(path: str | Path) -> Scene:
         raise FloeError(f"{path}: the scene cannot be read: {reason}") from None
     if len(raw) > MAX_BYTES:
         raise FloeError(f"{path}: a scene of over {MAX_BYTES} bytes is no scene")
-    try:
-        return parse_scene(raw, default_name=path.stem)
-    except FloeError as error:
-        raise FloeError(f"{path}: {error}") from None
+    return raw
+
+
+def read_keys(path: str | Path) -> dict[str, Any]:
+    """Read the keys that a scene file sets, before any default or check of their values.
+
+    Raises
+    ------
+    FloeError
+        Where the file cannot be read or is no mapping; see `load_scene`.
+    """
+    return _keys_of(_read(Path(path)))
 
 
 def parse_scene(raw: bytes, default_name: str) -> Scene:
     """Validate the bytes of a scene file; see `load_scene`."""
+    data = _keys_of(raw)
+    data.setdefault("name", default_name)
+    return build_scene(data)
+
+
+def _keys_of(raw: bytes) -> dict[str, Any]:
     try:
         text = raw.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -83,7 +105,18 @@ def parse_scene(raw: bytes, default_name: str) -> Scene:
         data = {}
     if not isinstance(data, dict):
         raise FloeError("a scene is a mapping of keys to values")
-    data.setdefault("name", default_name)
+    return data
+
+
+def build_scene(keys: Mapping[str, Any]) -> Scene:
+    """Validate keys that were read from a scene file or derived from one.
+
+    Raises
+    ------
+    FloeError
+        One sentence that names the key.
+    """
+    data = dict(keys)
     auto = data.get("effects") == "auto"
     if auto:
         del data["effects"]

@@ -12,16 +12,18 @@ import json
 from typing import Any
 
 from floeflow.config.blocks import Scene
+from floeflow.effects import forcing_variables
 
 # A path names a key or a whole block, or asks with ``effects.<name>`` for one effect.
 # ``time.windows`` is read by no stage but the estimate, which is one of the whole run: more windows
 # are more jobs, never other ones.
+FORCING_VARIABLES = "effects: forcing variables"
 STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "land": ("domain", "mask.refine", "mask.land"),
     "mask": ("domain", "mask", "time.start"),
     "packing": ("seed", "packing", "effects.coast"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
-    "forcing": ("domain", "forcing", "time.start", "time.window", "effects"),
+    "forcing": ("domain", "forcing", "time.start", "time.window", FORCING_VARIABLES),
     "initial": ("time.start", "effects", "column.ocean_salinity", "walls"),
     "dynamics": ("effects", "dynamics", "time.window", "packing.coast_bonds"),
     "column": ("effects", "column", "time.window"),
@@ -40,8 +42,11 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
     data = scene.model_dump(mode="json")
     if "thermodynamics" not in scene.effects:
         data.pop("column")
-    values = {}
+    values: dict[str, Any] = {}
     for path in STAGE_KEYS[stage]:
+        if path == FORCING_VARIABLES:
+            values[path] = list(forcing_variables(scene.effects))
+            continue
         if path.startswith("effects."):
             values[path] = path.removeprefix("effects.") in scene.effects
             continue

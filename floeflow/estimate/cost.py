@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 COSTS = Path(__file__).with_name("costs.json")
 Coefficients = Mapping[str, float]
+# What physics and knobs set; starting programs costs the same for any of them.
+WORK = ("dynamics", "column")
 
 
 @dataclass(frozen=True)
@@ -135,14 +137,38 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
 
 
 def cost_share(
-    c: Conditions, scene: Scene, name: str, effects: Iterable[str], fit: Coefficients
+    c: Conditions,
+    scene: Scene,
+    name: str,
+    effects: Iterable[str],
+    fit: Coefficients,
+    parts: tuple[str, ...] = (),
 ) -> float:
-    """Share of the run time with an effect that goes when it is left out."""
+    """Share of the run time with an effect that goes when it is left out.
+
+    `parts` restricts it to some stages, such as ``WORK``; empty: the whole run.
+    """
     from floeflow.estimate.influence import without
 
     there = frozenset(effects) | {name}
+    return saved_share(c, scene, there, without(there, name), fit, parts)
+
+
+def saved_share(
+    c: Conditions,
+    scene: Scene,
+    effects: Iterable[str],
+    fewer: Iterable[str],
+    fit: Coefficients,
+    parts: tuple[str, ...] = (),
+) -> float:
+    """Share of the run time of a scene with these effects that fewer of them save."""
     full, less = (
-        sum(stage_seconds(sizes(c, scene, e, fit), e, fit).values())
-        for e in (there, without(there, name))
+        sum(
+            value
+            for stage, value in stage_seconds(sizes(c, scene, e, fit), e, fit).items()
+            if not parts or stage in parts
+        )
+        for e in (tuple(effects), tuple(fewer))
     )
-    return (full - less) / full
+    return (full - less) / full if full else 0.0

@@ -114,7 +114,8 @@ void PairFloe::loop(PairGran *pg) {
       double rest = h[slot::rest_overlap], slip = h[slot::slip], overlap, limit = 0.0;
       if constexpr (Ridging) {
         overlap = (sum - pose.distance) - rest;
-        if (overlap <= 0.0 && square >= sum * sum && h[slot::ridge_closing] == 0.0) {
+        if (overlap <= 0.0 && square >= sum * sum && h[slot::ridge_closing] == 0.0 &&
+            rest >= 0.0) {  // below 0 ice reaches further than its disc
           if (advance) forget<true>(flags[jj], h);
           continue;
         }

@@ -20,6 +20,7 @@ from floeflow.postprocess.remap.stencil import (
     Stencil,
     check_places,
     lattice_pairs,
+    sort_by_cell,
 )
 
 
@@ -114,5 +115,6 @@ class Grid:
         check_places(x, y, self)
         (ny, nx), (dx, dy) = self.shape, self.spacing
         column, row = (x - self.x[0]) / dx, (y - self.y[0]) / dy
-        start, element, hat, xi, eta = lattice_pairs(column, row, nx, ny, reach)
+        cells = sort_by_cell(column, row, nx, ny, reach)
+        start, element, hat, xi, eta = lattice_pairs(*cells, nx, ny, reach)
         return Stencil(start, element, hat, xi, eta, len(x))

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from floeflow.errors import FloeError
 from floeflow.postprocess.remap.stencil import (
@@ -35,7 +36,7 @@ class Mesh:
     Parameters
     ----------
     x, y : ndarray
-        Nodes (m), (nodes,).
+        Nodes (m), (nodes,); those of no face may be anywhere, or nowhere (NaN, infinite).
     faces : ndarray of int
         Nodes of each face in a ring of either direction, (faces, 4); -1 ends a triangle's.
     area : ndarray, optional
@@ -59,19 +60,22 @@ class Mesh:
     layout: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        bad = ~(np.isfinite(self.x) & np.isfinite(self.y))
-        if self.x.shape != self.y.shape or self.x.ndim != 1 or bad.any():
-            where = f"; node {int(np.argmax(bad))} is not" if bad.any() else ""
-            raise FloeError(f"mesh: 'x' and 'y' must be (nodes,) and finite{where}")
+        if self.x.shape != self.y.shape or self.x.ndim != 1:
+            raise FloeError("mesh: 'x' and 'y' must be (nodes,)")
         faces = self.faces
         if faces.ndim != 2 or faces.shape[1] != 4 or not len(faces):
             raise FloeError(f"mesh: 'faces' has shape {faces.shape}, not (faces, 4)")
         wrong = (faces < -1) | (faces >= len(self.x)) | ((faces == -1) & (np.arange(4) < 3))
         if wrong.any():
             raise FloeError(f"mesh: face {int(np.argmax(wrong.any(axis=1)))} names no node")
-        turned = self._turned()
-        if turned.any():
-            raise FloeError(f"mesh: face {int(np.argmax(turned))} has no area or is not convex")
+        bad = ~(np.isfinite(self.x) & np.isfinite(self.y))
+        corner = self._corners()
+        if bad[corner].any():
+            node = corner[bad[corner]][0]
+            raise FloeError(f"mesh: node {node} of a face lies at {self.x[node]}, {self.y[node]}")
+        good = good_faces(self.x, self.y, faces)
+        if not good.all():
+            raise FloeError(f"mesh: face {int(np.argmin(good))} has no area or is not convex")
         if not self.area.size:
             object.__setattr__(self, "area", self._hat_areas())
         if self.area.shape != self.x.shape or not (self.area >= 0.0).all():
@@ -85,19 +89,6 @@ class Mesh:
     def places(self) -> tuple[Array, Array]:
         """Nodes, x and y (m), (nodes,) each."""
         return self.x, self.y
-
-    def _turned(self) -> np.ndarray:
-        """Whether a face has corners of both directions, or a flat one, (faces,)."""
-        corner = self._corners()
-        x, y = self.x[corner], self.y[corner]
-        sides = np.where(self.faces[:, 3:] >= 0, 4, 3)
-        k = np.arange(4)
-        before, after = (k - 1) % sides, (k + 1) % sides
-        ax, ay = x - np.take_along_axis(x, before, 1), y - np.take_along_axis(y, before, 1)
-        bx, by = np.take_along_axis(x, after, 1) - x, np.take_along_axis(y, after, 1) - y
-        cross = np.where(k < sides, ax * by - ay * bx, np.nan)
-        left, right = (np.nanmin(sign * cross, axis=1) > 0.0 for sign in (1.0, -1.0))
-        return np.asarray(~(left | right))
 
     def _corners(self) -> Index:
         """Nodes of the faces, a triangle's last one twice, (faces, 4)."""
@@ -220,6 +211,22 @@ def _invert(x: Array, y: Array, cx: Array, cy: Array) -> tuple[Array, Array]:
         if len(s) == 0 or max(np.abs(step_s).max(), np.abs(step_t).max()) < 1e-14:
             break
     return s, t
+
+
+def good_faces(x: Array, y: Array, faces: Index) -> NDArray[np.bool_]:
+    """Whether faces are convex, have an area, and lie at finite places, (faces,)."""
+    corner = np.where(faces >= 0, faces, faces[:, 2:3])
+    fx, fy = x[corner], y[corner]
+    sides = np.where(faces[:, 3:] >= 0, 4, 3)
+    k = np.arange(4)
+    before, after = (k - 1) % sides, (k + 1) % sides
+    with np.errstate(invalid="ignore", over="ignore"):
+        ax, ay = (f - np.take_along_axis(f, before, 1) for f in (fx, fy))
+        bx, by = (np.take_along_axis(f, after, 1) - f for f in (fx, fy))
+        cross = ax * by - ay * bx
+    left, right = ((np.where(k < sides, s * cross, 1.0) > 0.0).all(axis=1) for s in (1.0, -1.0))
+    finite = (np.isfinite(fx) & np.isfinite(fy)).all(axis=1)
+    return np.asarray((left | right) & finite)
 
 
 def curvilinear(x: Array, y: Array, crs: str = "", area: Array | None = None) -> Mesh:

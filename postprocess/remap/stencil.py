@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Pairs of a node and an element in reach of it, and what a node sums over its elements.
 
-Pairs are sorted by node, within a node by element, so that every sum over the elements of a node
-runs in one order whatever the target, and the pairs have the shape of a sparse matrix already.
+Pairs are sorted by node, so that they have the shape of a sparse matrix already. Within a node they
+are sorted by the cell in which the element lies (regular grids) and by element.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Stencil:
     start : ndarray of int
         First pair of each node, and the end, (nodes + 1,).
     element : ndarray of int
-        Index of the element, (pairs,), ascending within a node.
+        Index of the element, (pairs,).
     hat : ndarray
         The node's hat function at the element, in (0, 1], (pairs,).
     xi, eta : ndarray
@@ -79,46 +79,70 @@ def check_places(x: Array, y: Array, target: Target) -> None:
         e = int(np.argmax(bad))
         raise FloeError(f"remap: element {e} lies at x = {x[e]}, y = {y[e]}")
     node_x, node_y = target.places()
-    small = np.abs(node_x).max() <= 360.0 and np.abs(node_y).max() <= 90.0
-    if small and len(x) and min(np.abs(x).max(), np.abs(y).max()) > 1e4:
+    wide, high = (np.abs(axis[np.isfinite(axis)]).max(initial=0.0) for axis in (node_x, node_y))
+    if wide <= 360.0 and high <= 90.0 and len(x) and min(np.abs(x).max(), np.abs(y).max()) > 1e4:
         raise FloeError(
             "remap: 'x' and 'y' of the grid look like degrees (up to "
-            f"{np.abs(node_x).max():g} and {np.abs(node_y).max():g}), but the elements lie at "
+            f"{wide:g} and {high:g}), but the elements lie at "
             f"metres (element 0 at x = {x[0]:g}, y = {y[0]:g}): project the grid first"
         )
 
 
 @jit
-def lattice_pairs(column, row, nx, ny, reach):  # type: ignore[no-untyped-def]
-    """Pairs of a regular grid from fractional columns and rows; see `Stencil`."""
-    count = np.zeros(nx * ny + 1, np.int64)
-    for fill in range(2):
-        if fill == 1:
-            for node in range(nx * ny):
-                count[node + 1] += count[node]
-            place = count[:-1].copy()
-            element = np.empty(count[-1], np.int32)
-            hat, xi, eta = np.empty(count[-1]), np.empty(count[-1]), np.empty(count[-1])
-        for e in range(len(column)):
-            c, r = column[e], row[e]
-            if not (-reach < c < nx - 1 + reach and -reach < r < ny - 1 + reach):
-                continue
-            left, below = int(np.floor(c)), int(np.floor(r))
-            for j in range(max(below + 1 - reach, 0), min(below + reach, ny - 1) + 1):
-                b = (r - j) / reach
-                for i in range(max(left + 1 - reach, 0), min(left + reach, nx - 1) + 1):
-                    a = (c - i) / reach
+def sort_by_cell(column, row, nx, ny, reach):  # type: ignore[no-untyped-def]
+    """Elements between the nodes of a lattice in order of the cells between them.
+
+    The rim of the lattice has ``reach`` more cells on each side. Returns the first element of each
+    cell, and index, column and row of the elements. What lies side by side is so looked at in
+    turn, however the elements are numbered.
+    """
+    width, height = nx - 1 + 2 * reach, ny - 1 + 2 * reach
+    n = len(column)
+    cell = np.empty(n, np.int32)
+    start = np.zeros(width * height + 1, np.int64)
+    for e in range(n):
+        c, r = column[e], row[e]
+        if -reach < c < nx - 1 + reach and -reach < r < ny - 1 + reach:
+            cell[e] = (int(np.floor(r)) + reach) * width + int(np.floor(c)) + reach
+            start[cell[e] + 1] += 1
+        else:
+            cell[e] = -1
+    for k in range(width * height):
+        start[k + 1] += start[k]
+    place = start[:-1].copy()
+    element = np.empty(start[-1], np.int32)
+    columns, rows = np.empty(start[-1]), np.empty(start[-1])
+    for e in range(n):
+        if cell[e] >= 0:
+            k = place[cell[e]]
+            place[cell[e]] += 1
+            element[k], columns[k], rows[k] = e, column[e], row[e]
+    return start, element, columns, rows
+
+
+@jit
+def lattice_pairs(cell_start, order, column, row, nx, ny, reach):  # type: ignore[no-untyped-def]
+    """Pairs of a regular grid from elements that `sort_by_cell` has sorted; see `Stencil`."""
+    width = nx - 1 + 2 * reach
+    most = len(order) * (2 * reach) ** 2
+    start = np.zeros(nx * ny + 1, np.int64)
+    element = np.empty(most, np.int32)
+    hat, xi, eta = np.empty(most), np.empty(most), np.empty(most)
+    found = 0
+    for j in range(ny):
+        for i in range(nx):
+            for below in range(j, j + 2 * reach):
+                # Cells of a row lie one after the other, and so do their elements.
+                first = below * width + i
+                for k in range(cell_start[first], cell_start[first + 2 * reach]):
+                    a, b = (column[k] - i) / reach, (row[k] - j) / reach
                     n = (1.0 - abs(a)) * (1.0 - abs(b))
-                    if n <= LEAST_HAT:
-                        continue
-                    node = j * nx + i
-                    if fill == 0:
-                        count[node + 1] += 1
-                    else:
-                        k = place[node]
-                        place[node] += 1
-                        element[k], hat[k], xi[k], eta[k] = e, n, a, b
-    return count, element, hat, xi, eta
+                    if n > LEAST_HAT:
+                        element[found], hat[found] = order[k], n
+                        xi[found], eta[found] = a, b
+                        found += 1
+            start[j * nx + i + 1] = found
+    return start, element[:found], hat[:found], xi[:found], eta[:found]
 
 
 def sort_pairs(

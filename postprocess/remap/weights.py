@@ -270,6 +270,7 @@ def _fill(
     if not (len(empty) and len(known)):
         return matrix, status
     places = np.stack(target.places(), axis=1)
+    empty = empty[np.isfinite(places[empty]).all(axis=1)]
     away, nearest = cKDTree(places[known]).query(places[empty])
     near = away <= distance
     row, status = np.arange(len(status)), status.copy()

@@ -162,6 +162,25 @@ def test_grid_that_lost_ice_opens_its_budget(copy: Run):
     assert (found["verdict"], found["worst_window"]) == ("open", 3)
 
 
+def test_ice_that_has_left_the_grid_is_a_term_of_its_budget(copy: Run):
+    """Half of the ice off the grid, and said so: the budget closes as it did before."""
+    before = budget(results(copy)[1], "grid_ice_area")
+    last = copy.path("grid", 3)
+    for path in last.parent.glob("*.nc"):
+        with xr.open_dataset(path, decode_times=False) as opened:
+            grid = opened.load()
+        left, attrs = 0.5 if path == last else 0.0, grid["siconc"].attrs
+        area = grid[attrs["cell_measures"].split()[1]]
+        grid["siarea_outside"] = left * float((grid["siconc"] * area).sum())
+        grid["siconc"] = (1.0 - left) * grid["siconc"]
+        grid["siconc"].attrs = attrs
+        path.unlink()
+        grid.to_netcdf(path)
+    found = budget(results(copy)[1], "grid_ice_area")
+    assert found["verdict"] == before["verdict"]
+    assert found["relative"] == pytest.approx(before["relative"], abs=1e-12)
+
+
 def test_grid_totals_take_the_named_area_and_per_cent(tmp_path: Path):
     grid = xr.Dataset(
         {

@@ -148,6 +148,33 @@ def test_a_bond_that_breaks_in_compression_goes_on_as_a_contact(log: Path) -> No
     assert sums["max_overlap"] * 0.5 * params.contact_modulus == pytest.approx(limit, rel=1e-4)
 
 
+def test_it_meets_again_where_it_opened(log: Path) -> None:
+    pair = discs([0.0, 2100.0], [0.0, 0.0])
+    pair["type"][0] = 2
+    pair["mass"][1] = 1e27
+    pair["u"][1] = -1.0
+    params = EngineParams(
+        time_step=0.01, bonds=True, ridging=True, compressive_strength=1e6, friction=False
+    )
+    with Engine(SELF, params, log) as engine:
+        engine.load(pair, bonded(pair, gap=200.0))
+        engine.run(211)  # breaks at 2.1 m
+        for speed in (2.0, -1.0):  # 8 m back, to where it bears nothing, and 3 m on again
+            state, contacts = engine.elements(), engine.contacts()
+            state["u"][1] = speed
+            engine.load(state, None, contacts)
+            engine.run(400 if speed > 0 else 300)
+            if speed > 0:
+                assert engine.diagnostics()["elastic_contact"] == 0.0
+                assert (engine.contacts()["rest_overlap"] < -100.0).all()
+        out, contact = engine.elements(), engine.contacts()
+        push = 2000.0 - (out["x"][1] - out["x"][0]) - contact["rest_overlap"][0]
+        stiffness = 0.5 * params.contact_modulus
+        assert push > 0.0 and len(contact["id_lo"]) == 1
+        energy = engine.diagnostics()["elastic_contact"]
+    assert energy == pytest.approx(0.5 * stiffness * push**2, rel=1e-6)
+
+
 def squeezed() -> tuple[dict[str, np.ndarray], EngineParams]:
     raft = lattice(6, 5)
     random = np.random.default_rng(4)

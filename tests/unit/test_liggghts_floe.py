@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import re
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -59,3 +60,41 @@ def test_a_wrong_keyword_and_a_fault_end_the_run_with_a_sentence(
     done = run(project, tmp_path, str(wild), 1)
     assert done.returncode != 0
     assert re.search(r"Element \d+ moves further than its radius in a step at \(", done.stdout)
+
+
+def raft_without(gone: Callable[[float, float], bool]) -> tuple[int, int]:
+    """Elements and bonds of the example's raft without those at some (x, y) in lattice units."""
+    places = [(i + 0.5 * (j % 2), 0.5 * j) for j in range(10) for i in range(12)]
+    left = [(x, y * math.sqrt(3)) for x, y in places if not gone(x, y)]
+    return len(left), sum(math.dist(a, b) < 1.01 for k, a in enumerate(left) for b in left[:k])
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_elements_that_are_removed_or_leave_take_their_bonds_along(
+    project: Path, tmp_path: Path, ranks: int
+) -> None:
+    setup, rest = (project / FOLDER / "in.bonded_raft").read_text().split("run             108000")
+    removed = tmp_path / "in.removed"
+    strong = setup.replace("compressive_strength 1e4", "compressive_strength 1e7")
+    removed.write_text(
+        f"{strong}run 2000\nregion hole block 5.9 8.1 -0.1 2.3 INF INF units lattice\n"
+        "group gone region hole\ndelete_atoms group gone compress no\n"
+        f"run 2000\nfloe_bonds gap 0.5 thickness 1\nrun 2000\n{rest}"
+    )
+    done = run(project, tmp_path, str(removed), ranks)
+    assert done.returncode == 0, done.stderr
+    elements, bonds = raft_without(lambda x, y: 5.9 < x < 8.1 and y < 2.3)
+    after = done.stdout.split("Deleted")[1]
+    assert f"{120 - elements} atoms, new total = {elements}" in after and elements < 120
+    assert f"floe_bonds: {bonds} bonds" in after
+    # A box with an edge close to the raft: it drifts over it.
+    leaving = tmp_path / "in.leaving"
+    text = setup.replace("boundary        m m p", "boundary        f f p")
+    text = text.replace("block -3 16 -3 9", "block -3 11.8 -3 9")
+    leaving.write_text(
+        text.replace("thermo          100000", "thermo_modify lost ignore") + "run 8000\n" + rest
+    )
+    done = run(project, tmp_path, str(leaving), ranks)
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"Loop time .* with (1[01]\d) atoms", done.stdout)

@@ -108,7 +108,7 @@ def test_wrong_meshes_are_named():
         Mesh(x, y, np.array([[0, 1, 2, 3], [0, 1, 7, -1]]))
     with pytest.raises(FloeError, match=r"'faces' has shape \(1, 3\)"):
         Mesh(x, y, np.array([[0, 1, 2]]))
-    with pytest.raises(FloeError, match="node 1 is not"):
+    with pytest.raises(FloeError, match="node 1 of a face lies at nan"):
         Mesh(np.array([0.0, np.nan, 1.0, 0.0]), y, np.array([[0, 1, 2, 3]]))
     with pytest.raises(FloeError, match="axis 'y' is not monotone"):
         curvilinear(np.arange(3.0), np.array([0.0, 2.0, 1.0]))

@@ -112,3 +112,44 @@ def test_an_element_that_would_vanish_is_named(tmp_path: Path) -> None:
 def test_only_ridging_brings_ridges_to_the_state() -> None:
     assert not [n for n in expected_variables(("friction", "bonds")) if "ridge" in n]
     assert "contact_ridge_length" in expected_variables(EFFECTS)
+
+
+def test_what_lies_beside_a_ridge_is_no_further_off_for_it(tmp_path: Path) -> None:
+    # 1 and 2 have ridged; 3 lies 3 m from 2, 4 a tenth of a diameter from 3, 5 and 6 are coast.
+    x = np.array([0.0, 1980.0, 3983.0, 6183.0, 8190.0, 10190.0])
+    state = a_state(("ridging", "thermodynamics"), n=6).isel(contact=[0])
+    for name, value in (("x", x), ("y", 0 * x), ("theta", 0 * x), ("radius", 0 * x + 1000.0)):
+        state[name] = ("element", value)
+    for name in ("u", "v", "omega"):
+        state[name] = ("element", 0 * x)
+    state["type"] = ("element", np.array([1, 1, 1, 1, 2, 2], np.int8))
+    state["area"] = ("element", np.where(state["type"] == 1, 4e6, 0.0))
+    state["ice_volume"].values[:] = 1.0
+    state["contact_rest_overlap"].values[:] = 20.0
+    state["contact_ridge_closing"].values[:] = 20.0
+    ridged = np.array([1e4, 1e4, 0.0, 1e3, 0.0, 0.0])
+    closed = close_areas(state, ridged, 1e-3)
+    check_state(closed)
+    pairs = zip(closed["contact_id_lo"].values, closed["contact_id_hi"].values, strict=True)
+    assert list(pairs) == [(1, 2), (2, 3), (4, 5)]
+    radius = closed["radius"].values
+    gaps = x[[2, 4]] - x[[1, 3]] - radius[[1, 3]] - radius[[2, 4]]
+    assert gaps[0] > 4.0  # the disc has become smaller
+    np.testing.assert_allclose(gaps + closed["contact_rest_overlap"].values[1:], [3.0, 7.0])
+    # Element 3 comes from there: it meets 2 after its 3 m, not after the gap of the discs.
+    elements = element_arrays(closed, 1e-3)
+    elements["mass"][2], elements["u"][2] = 1e27, -1.0
+    params = EngineParams(time_step=0.01, ridging=True, friction=False, contact_damping=0.0)
+    with Engine(MPI.COMM_SELF, params, tmp_path / "log") as engine:
+        engine.load(elements, None, pair_arrays(closed, "contact"))
+        engine.run(299)
+        assert engine.diagnostics()["elastic_contact"] < 1.0
+        engine.run(10)
+        met = engine.contacts()
+        assert engine.diagnostics()["elastic_contact"] > 1e4
+    assert met["ridge_length"][1] > 0 and met["ridge_thickness"][1] == pytest.approx(1.0, rel=0.01)
+    # A window later, still open pairs keep their gaps once more.
+    again = close_areas(closed, ridged, 1e-3)
+    radius = again["radius"].values
+    gaps = x[[2, 4]] - x[[1, 3]] - radius[[1, 3]] - radius[[2, 4]]
+    np.testing.assert_allclose(gaps + again["contact_rest_overlap"].values[1:], [3.0, 7.0])

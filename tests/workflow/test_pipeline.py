@@ -120,7 +120,8 @@ def test_a_longer_run_redoes_no_window(copy: Callable[[], Place]):
     scene = place.scene(time={"windows": 4})
     jobs = planned(place, scene)
     assert jobs == {
-        "analytic": 1, "forcing": 1, "window": 1, "grid": 1, "diagnostics": 1, "report": 1,
+        "estimate": 1, "analytic": 1, "forcing": 1, "window": 1, "grid": 1, "diagnostics": 1,
+        "report": 1,
     }  # fmt: skip
     before = read_state(place.results() / "state/0003.nc").attrs["checksum"]
     done = place.run(scene, "results/smoke/state/0004.nc")

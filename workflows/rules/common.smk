@@ -3,6 +3,7 @@
 
 from floeflow.config import stage_hash
 from floeflow.frontdoor import PLUGIN, open_scene
+from floeflow.studies.plans import STUDIES, study_variants
 
 RUN = open_scene(config, workflow)
 EFFECTS = RUN.scene.effects
@@ -86,3 +87,31 @@ def stage_benchmarks(wildcards):
     forcing = [f"forcing/{window}" for window in RUN.windows]
     names = [*stages, *forcing, *windows, *grids]
     return [f"results/{wildcards.scene}/benchmarks/{name}.tsv" for name in names]
+
+
+def study_records(study):
+    """Records of all runs of a study."""
+    names = study_variants(study, RUN.scene)
+    return [f"{RUN.folder}/{study}/{name}.json" for name in names]
+
+
+def variant_changes(wildcards):
+    """What a run changes in the scene: another change runs it again."""
+    variants = study_variants(wildcards.study, RUN.scene)
+    return variants[wildcards.variant].as_text()
+
+
+def base_record(wildcards):
+    """The base run, with which all others share their preprocessing and are compared."""
+    folder = f"results/{wildcards.scene}/{wildcards.study}"
+    return [] if wildcards.variant == "base" else f"{folder}/base.json"
+
+
+def ablation_records(wildcards):
+    """Records of all runs of the ablation study."""
+    return study_records("ablation")
+
+
+def accuracy_records(wildcards):
+    """Records of all runs of the accuracy study."""
+    return study_records("accuracy")

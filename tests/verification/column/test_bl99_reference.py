@@ -17,7 +17,7 @@ def worst(ours: np.ndarray, theirs: np.ndarray) -> float:
 
 def test_one_category_step_by_step(shared: Path) -> None:
     data = open_case(shared, "bl99_n1_ccsm3", "state_y01.nc")
-    p, before = physics(1), starts(data)
+    p, before = physics(shared, "bl99_n1_ccsm3"), starts(data)
     after, sums = step(before, each_step(data), DT, category_bounds(1), p)
     recorded = {name: data[f"s2_{name}"].values[1:] for name in ("aicen", "vicen", "vsnon")}
     thickness = after.ice_volume / after.ice_fraction
@@ -54,8 +54,8 @@ def test_one_category_step_by_step(shared: Path) -> None:
 @pytest.mark.parametrize("month", ["winter", "summer"])
 def test_five_categories_step_by_step(shared: Path, month: str) -> None:
     data = open_case(shared, "bl99_n5_ccsm3", f"state_y01_{month}.nc")
-    before = starts(data)
-    after, sums = step(before, each_step(data), DT, category_bounds(5), physics(5))
+    p, before = physics(shared, "bl99_n5_ccsm3"), starts(data)
+    after, sums = step(before, each_step(data), DT, category_bounds(5), p)
     # Asked: 1e-4 of the cell.
     assert worst(after.ice_fraction, data["s2_aicen"].values[1:]) < 5e-8
     assert worst(after.ice_volume, data["s2_vicen"].values[1:]) < 5e-8
@@ -68,7 +68,7 @@ def test_five_categories_step_by_step(shared: Path, month: str) -> None:
 def test_ten_years_run_freely(shared: Path, categories: int) -> None:
     case = f"bl99_n{categories}_ccsm3"
     start = "state_y01.nc" if categories == 1 else "state_y01_winter.nc"
-    state, p = first(open_case(shared, case, start)), physics(categories)
+    state, p = first(open_case(shared, case, start)), physics(shared, case)
     # The forcing of the last year is that of the first: the years repeat.
     forcing = year(open_case(shared, case, "forcing_y01.nc"))
     last = year(open_case(shared, case, "forcing_last.nc"))
@@ -93,7 +93,7 @@ def test_ten_years_run_freely(shared: Path, categories: int) -> None:
 
 def test_the_two_solvers_agree(shared: Path) -> None:
     data = open_case(shared, "bl99_n1_ccsm3", "state_y01.nc")
-    p, before, forcing = physics(1), starts(data), each_step(data)
+    p, before, forcing = physics(shared, "bl99_n1_ccsm3"), starts(data), each_step(data)
     bounds = category_bounds(1)
     after, _ = step(before, forcing, DT, bounds, p)
     sure, sums = step(before, forcing, DT, bounds, p._replace(iterations=0))

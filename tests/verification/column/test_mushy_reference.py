@@ -18,7 +18,7 @@ def worst(ours: np.ndarray, theirs: np.ndarray) -> float:
 
 def test_one_category_step_by_step(shared: Path) -> None:
     data = open_case(shared, CASE, "state_y01.nc")
-    p, before = physics(1, mushy=True), starts(data)
+    p, before = physics(shared, CASE), starts(data)
     after, sums = step(before, each_step(data), DT, category_bounds(1), p)
     assert worst(after.ice_fraction, data["s2_aicen"].values[1:]) < 1e-12
     assert worst(after.ice_volume, data["s2_vicen"].values[1:]) < 1e-10
@@ -43,7 +43,7 @@ def test_one_category_step_by_step(shared: Path) -> None:
 
 def test_ten_years_run_freely(shared: Path) -> None:
     data = open_case(shared, CASE, "state_y01.nc")
-    state, p = first(data), physics(1, mushy=True)
+    state, p = first(data), physics(shared, CASE)
     forcing, bounds = year(open_case(shared, CASE, "forcing_y01.nc")), category_bounds(1)
     last = open_case(shared, CASE, "state_last.nc")
     volume, salinity = [], []

@@ -37,7 +37,7 @@ def scene_of(coast: bool) -> Scene:
         {
             "name": "fast-ice",
             "packing": {"elements": 300, "coast_bonds": coast},
-            "effects": ["wind", "ocean_drag", "friction", "bonds"],
+            "effects": ["wind", "ocean_drag", "coast", "friction", "bonds"],
             "time": {"window": WINDOW},
             "dynamics": {"samples": 1},
         }

@@ -128,6 +128,20 @@ def test_single_ridges_force_against_displacement(log: Path, show) -> None:
     show("ridging_single", figures.curves, lines, ours, *label)
 
 
+@pytest.mark.parametrize("h", [0.1, 0.2, 0.3])
+def test_work_of_ridging_beside_the_potential_energy_of_a_ridge(h: float) -> None:
+    # Continuum models take the work as 17 times the gain of potential energy (Rothrock 1975; Flato
+    # & Hibler 1995), with ridges of 2 h to 2 sqrt(100 m h), all thicknesses alike (Hibler 1980).
+    closing = np.linspace(0.0, 200.0, 2001)
+    ridge = Ridging(RidgeLaw(), 1.0, 1e6, h)
+    work = np.trapezoid([ridge.force(c) for c in closing], closing)
+    low, high = 2 * h, 2 * np.sqrt(100.0 * h)
+    per_volume = 0.5 * 9.81 * 917.0 * (1026.0 - 917.0) / 1026.0  # J/m3 and m of thickness
+    ridged = 2 / 3 * (high**3 - low**3) / (high**2 - low**2)
+    gain = per_volume * h * closing[-1] * (ridged - h)
+    assert 15.0 < work / gain < 19.0
+
+
 SPEED, STEP = 60.0, 1.0 / 15.0
 
 

@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# mypy: disable-error-code="no-untyped-def"
+"""Light of one band through layers that scatter: delta-Eddington layers, added up.
+
+Briegleb and Light (2007), Briegleb (1992); numbers of equations are those of
+docs/theory/column_light.md. A layer reflects and transmits the sun's beam and diffuse light;
+diffuse light is the beam's solution averaged over eight directions, because the two-stream formula
+for it may come out negative. Refraction where light enters water or clear ice is a layer of its own
+kind on top of that layer.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from floeflow.column.physics import _LEAN, jit, jit_making
+
+Array = NDArray[np.float64]
+
+_jit_sums: Any = numba.njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"}, **_LEAN
+)  # sums over directions may be taken in any order, so that they are taken four at a time
+
+# Gauss points over the cosine of the direction, and their weights times it, to a sum of 1.
+COSINES = np.array(
+    [0.9894009, 0.9445750, 0.8656312, 0.7554044, 0.6178762, 0.4580168, 0.2816036, 0.0950125]
+)
+_WEIGHTS = np.array(
+    [0.0271525, 0.0622535, 0.0951585, 0.1246290, 0.1495960, 0.1691565, 0.1826034, 0.1894506]
+)
+WEIGHTS = COSINES * _WEIGHTS / (COSINES * _WEIGHTS).sum()
+PATHS = 1.0 / COSINES
+DIRECTIONS = 8
+DARKEST = 10.0  # optical path beyond which nothing is counted
+LEAST_LIGHT = 1e-3  # share of the light below which deeper layers are not looked at
+NOTHING = 1e-11
+REFRACTION = 1.310  # of ice, and water too
+DIFFUSE_FROM_ABOVE, DIFFUSE_FROM_BELOW = 0.063, 0.455  # what refraction reflects of diffuse light
+LOWEST_SUN = 0.01  # cosine
+NEAREST = 1e-9  # of the pole of eq. 3
+
+
+class Rays(NamedTuple):
+    """Work arrays of one column of light.
+
+    Parameters
+    ----------
+    beam_back, beam_on : ndarray
+        Of each layer: reflected and transmitted of the beam, the latter with what it scatters.
+    beam : ndarray
+        Transmitted unscattered.
+    back, back_below, on, on_below : ndarray
+        Reflected and transmitted of diffuse light from above and from below.
+    direct, total, diffuse : ndarray
+        At each interface: of the beam, unscattered and in all; of diffuse light from the top.
+    back_above : ndarray
+        Of diffuse light from below, reflected by all above.
+    net : ndarray
+        Downward less upward flux at interfaces, summed over bands (W/m2).
+    """
+
+    beam_back: Array
+    beam_on: Array
+    beam: Array
+    back: Array
+    back_below: Array
+    on: Array
+    on_below: Array
+    direct: Array
+    total: Array
+    diffuse: Array
+    back_above: Array
+    net: Array
+
+
+@jit_making
+def new_rays(layers):
+    """Return work arrays for snow and ice of so many layers, with two more that scatter."""
+    m = layers + 3
+    return Rays(
+        np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m),
+        np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m),
+    )  # fmt: skip
+
+
+@_jit_sums
+def fading(path):
+    """exp(-path) for a path of 0 to 10, in a form that is computed for several at once.
+
+    The fifth power of two of a polynomial on [-0.32, 0]: relative error below 1e-14.
+    """
+    x = 0.15625 - path * 0.03125
+    y = 1.0 / 3628800.0
+    y = y * x + 1.0 / 362880.0
+    y = y * x + 1.0 / 40320.0
+    y = y * x + 1.0 / 5040.0
+    y = y * x + 1.0 / 720.0
+    y = y * x + 1.0 / 120.0
+    y = y * x + 1.0 / 24.0
+    y = y * x + 1.0 / 6.0
+    y = y * x + 0.5
+    y = y * x + 1.0
+    y = (y * x + 1.0) * 0.8553453273074225  # exp(-0.15625)
+    y *= y
+    y *= y
+    y *= y
+    y *= y
+    return y * y
+
+
+@_jit_sums
+def scatter(r, k, depth, albedo, asymmetry, sun):
+    """Set what layer k reflects and transmits (eqs. 1 to 5).
+
+    Parameters
+    ----------
+    r : Rays
+        Written at k.
+    k : int
+        Layer.
+    depth, albedo, asymmetry : float
+        Optical depth, share that scatters, mean cosine of the scattering angle.
+    sun : float
+        Cosine of the beam's direction in the layer.
+    """
+    forward = asymmetry * asymmetry
+    depth *= 1.0 - albedo * forward
+    albedo = (1.0 - forward) * albedo / (1.0 - albedo * forward)
+    asymmetry = asymmetry / (1.0 + asymmetry)
+    absorbed = 1.0 - albedo
+    spread = 1.0 - albedo * asymmetry
+    rate = math.sqrt(3.0 * absorbed * spread)
+    u = 1.5 * spread / rate
+    fades = fading(min(rate * depth, DARKEST))
+    scale = 1.0 / ((u + 1.0) * (u + 1.0) / fades - (u - 1.0) * (u - 1.0) * fades)
+    back = (u * u - 1.0) * (1.0 / fades - fades) * scale
+    on = 4.0 * u * scale
+
+    odd = 0.75 * albedo * (1.0 + asymmetry * absorbed)
+    even = 0.5 * albedo
+    slope = 1.5 * albedo * asymmetry * absorbed
+    pole = rate * rate
+    fade = fading(min(depth / sun, DARKEST))
+    gap = 1.0 - pole * sun * sun
+    if abs(gap) < NEAREST:
+        gap = NEAREST
+    a, b = odd * sun / gap, (even + slope * sun * sun) / gap
+    r.beam[k] = fade
+    r.beam_back[k] = (a + b) * back + (a - b) * (on * fade - 1.0)
+    r.beam_on[k] = (a + b) * on + ((a - b) * back - (a + b) + 1.0) * fade
+    backs = ons = 0.0
+    for i in range(DIRECTIONS):
+        x = COSINES[i]
+        t = fading(min(depth * PATHS[i], DARKEST))
+        inverse = 1.0 / (1.0 - pole * x * x)
+        one, two = odd * x * inverse, (even + slope * x * x) * inverse
+        plus, minus = one + two, one - two
+        backs += WEIGHTS[i] * (plus * back + minus * (on * t - 1.0))
+        ons += WEIGHTS[i] * (plus * on + (minus * back - plus + 1.0) * t)
+    r.back[k] = r.back_below[k] = backs
+    r.on[k] = r.on_below[k] = ons
+
+
+@jit
+def copy_layer(r, k):
+    """Layer k is like the one above it."""
+    r.beam[k], r.beam_back[k], r.beam_on[k] = r.beam[k - 1], r.beam_back[k - 1], r.beam_on[k - 1]
+    r.back[k] = r.back_below[k] = r.back[k - 1]
+    r.on[k] = r.on_below[k] = r.on[k - 1]
+
+
+@jit
+def refracted(sun):
+    """Cosine of the beam's direction in ice or water (Snell)."""
+    return math.sqrt(1.0 - (1.0 - sun * sun) / (REFRACTION * REFRACTION))
+
+
+@jit
+def refract(r, k, sun, inner):
+    """Put a refracting surface on top of layer k (eqs. 6 and 7)."""
+    across, along = sun + REFRACTION * inner, REFRACTION * sun + inner
+    r1, r2 = (sun - REFRACTION * inner) / across, (REFRACTION * sun - inner) / along
+    t1, t2 = 2.0 * sun / across, 2.0 * sun / along
+    reflects = 0.5 * (r1 * r1 + r2 * r2)
+    passes = 0.5 * (t1 * t1 + t2 * t2) * REFRACTION * inner / sun
+    again = 1.0 / (1.0 - DIFFUSE_FROM_BELOW * r.back[k])
+    below = 1.0 - DIFFUSE_FROM_BELOW
+    beam_back, back, on = r.beam_back[k], r.back[k], r.on[k]
+    r.beam_on[k] = passes * (r.beam_on[k] + beam_back * DIFFUSE_FROM_BELOW * again * on)
+    r.beam_back[k] = reflects + passes * beam_back * again * below
+    r.back[k] = DIFFUSE_FROM_ABOVE + (1.0 - DIFFUSE_FROM_ABOVE) * back * again * below
+    r.back_below[k] += r.on_below[k] * DIFFUSE_FROM_BELOW * again * on
+    r.on[k] = on * again * (1.0 - DIFFUSE_FROM_ABOVE)
+    r.on_below[k] *= again * below
+    r.beam[k] *= passes
+
+
+@jit
+def pass_down(r, k):
+    """Transmission from the top to the interface below layer k (eq. 8)."""
+    again = 1.0 / (1.0 - r.back_above[k] * r.back[k])
+    scattered = r.total[k] - r.direct[k]
+    reflected = r.direct[k] * r.beam_back[k]
+    r.direct[k + 1] = r.direct[k] * r.beam[k]
+    r.total[k + 1] = (
+        r.direct[k] * r.beam_on[k] + (scattered + reflected * r.back_above[k]) * again * r.on[k]
+    )
+    r.back_above[k + 1] = r.back_below[k] + r.on_below[k] * r.back_above[k] * again * r.on[k]
+    r.diffuse[k + 1] = r.diffuse[k] * again * r.on[k]
+
+
+@jit
+def add_up(r, first, last, bottom, direct, diffuse):
+    """Add the net fluxes of a band at interfaces first to last (eqs. 9 and 10).
+
+    Parameters
+    ----------
+    r : Rays
+        After `pass_down` from ``first`` to layer ``last - 1``; ``r.net`` is added to.
+    first, last : int
+        Interface at the top, and at the bottom of what was looked at.
+    bottom : float
+        Albedo of what lies below.
+    direct, diffuse : float
+        Light of the band from above (W/m2).
+    """
+    beam_up = diffuse_up = bottom
+    for k in range(last, first - 1, -1):
+        if k < last:
+            again = 1.0 / (1.0 - r.back_below[k] * diffuse_up)
+            scattered = (r.beam_on[k] - r.beam[k]) * diffuse_up
+            beam_up = r.beam_back[k] + (r.beam[k] * beam_up + scattered) * again * r.on_below[k]
+            diffuse_up = r.back[k] + r.on[k] * diffuse_up * again * r.on_below[k]
+        again = 1.0 / (1.0 - r.back_above[k] * diffuse_up)
+        beam = r.direct[k] + (r.total[k] - r.direct[k]) * (1.0 - diffuse_up) * again
+        beam -= r.direct[k] * beam_up * (1.0 - r.back_above[k]) * again
+        other = r.diffuse[k] * (1.0 - diffuse_up) * again
+        r.net[k] += direct * beam if beam >= NOTHING else 0.0
+        r.net[k] += diffuse * other if other >= NOTHING else 0.0

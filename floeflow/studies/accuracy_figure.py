@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Work-precision figure of an accuracy study: error over work in one norm."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from floeflow.postprocess.figures.style import (
+    BLUE,
+    FAINT,
+    GREEN,
+    INK,
+    ORANGE,
+    SKY,
+    VERMILION,
+    look,
+    new_figure,
+)
+from floeflow.studies.accuracy_plan import TOGETHER
+from floeflow.studies.accuracy_table import Accuracy, Point, pareto
+from floeflow.studies.norms import NORMS
+
+# Colour, mark and dash differ together, so that print and colour-blind eyes tell knobs apart.
+STYLES = (
+    (BLUE, "o", "-"),
+    (VERMILION, "s", "--"),
+    (GREEN, "^", "-."),
+    (ORANGE, "v", ":"),
+    (SKY, "D", (0, (5, 1))),
+    (INK, "P", (0, (1, 1))),
+    (FAINT, "X", (0, (3, 1, 1, 1))),
+)
+LEAST = 1.0e-7
+
+
+def accuracy_figure(study: Accuracy, norm: str) -> Figure:
+    """Relative error over work, both logarithmic, one line for each knob.
+
+    The star is the default, the thick grey line the Pareto front, crosses at the top are runs that
+    failed; below the hatched line is what chaos alone makes.
+    """
+    with look():
+        figure = new_figure(7.6, 4.6)
+        axes = figure.add_subplot()
+        names = list(dict.fromkeys(p.knob for p in study.points))
+        for name, style in zip(names, STYLES, strict=False):
+            _knob(axes, [p for p in study.points if p.knob == name], norm, name, style)
+        front = pareto(study.points, norm)
+        axes.plot(
+            [p.work for p in front],
+            [max(p.errors[norm], LEAST) for p in front],
+            color=FAINT,
+            linewidth=5,
+            alpha=0.35,
+            zorder=0,
+            label="Pareto front",
+        )
+        failed = [p.work for p in study.points if not p.stable]
+        if failed:
+            axes.plot(
+                failed,
+                np.full(len(failed), 0.97),
+                "x",
+                color=INK,
+                transform=axes.get_xaxis_transform(),
+                label="unstable",
+            )
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        chaos = study.chaos.get(norm, 0.0)
+        if chaos > LEAST:
+            axes.axhspan(
+                axes.get_ylim()[0], chaos, facecolor="none", edgecolor=FAINT, hatch="//", alpha=0.4
+            )
+            axes.axhline(chaos, color=FAINT, linewidth=0.8)
+        axes.set_xlabel("CPU time of element model and column, relative to the default run (1)")
+        axes.set_ylabel("Error relative to what happens in the run (1)")
+        axes.set_title(NORMS[norm].label)
+        axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), fontsize=8)
+    return figure
+
+
+def _knob(
+    axes: Axes, points: list[Point], norm: str, name: str, style: tuple[str, str, object]
+) -> None:
+    good = [p for p in points if p.stable and norm in p.errors]
+    if not good:
+        return
+    colour, mark, dash = style
+    x, y = [p.work for p in good], [max(p.errors[norm], LEAST) for p in good]
+    if name == TOGETHER:
+        axes.plot(x, y, mark, color=colour, label="all knobs", linestyle="none", markersize=8)
+    else:
+        label = name.replace("_", " ")
+        axes.plot(x, y, marker=mark, color=colour, label=label, linestyle=dash, markersize=5)
+    for point in good:
+        if point.level == 1.0 or (math.isnan(point.level) and point.run == "base"):
+            axes.plot(
+                point.work,
+                max(point.errors[norm], LEAST),
+                marker="*",
+                color=colour,
+                markersize=13,
+                markeredgecolor="white",
+                linestyle="none",
+            )

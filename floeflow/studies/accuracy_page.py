@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Page of the accuracy study: error against cost, orders of convergence, recommendations."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from floeflow import stage
+from floeflow.config import Scene
+from floeflow.postprocess.diagnostics import write_json
+from floeflow.postprocess.report import write_text
+from floeflow.state import write_dataset
+from floeflow.studies.accuracy_figure import accuracy_figure
+from floeflow.studies.accuracy_plan import TOGETHER
+from floeflow.studies.accuracy_table import Accuracy, analyse, as_dataset
+from floeflow.studies.knobs import knobs
+from floeflow.studies.norms import KEPT, NORMS
+from floeflow.studies.page import Table, draw, render_study
+from floeflow.studies.recommend import Setting, most_accurate, recommend
+
+LEAD = (
+    "Each knob was varied alone, and all together; the error of a knob's runs is against the limit "
+    "of its series (Richardson, where it converges, else its finest run), that of the runs "
+    "that vary all against the finest of them. Errors are relative to what happens in the run."
+)
+TARGETS = (0.01, 0.05, 0.2)
+
+
+def recommendations(study: Accuracy, scene: Scene) -> dict[float, Setting | None]:
+    """Cheapest setting for each target error."""
+    names = [knob.name for knob in knobs(scene)]
+    return {target: recommend(study.points, names, target) for target in TARGETS}
+
+
+def recommendation_table(study: Accuracy, scene: Scene) -> Table:
+    """Settings for 1, 5 and 20 % error."""
+    names = [knob.name for knob in knobs(scene)]
+    rows = []
+    for target, setting in recommendations(study, scene).items():
+        if setting is None:
+            best = most_accurate(study.points, names, math.inf)
+            least = f"least {100 * best.error:.2g}" if best else "none"
+            rows.append([100 * target, least, "", *[""] * len(names)])
+        else:
+            levels = [f"x {setting.levels.get(name, 1.0):.3g}" for name in names]
+            rows.append([100 * target, 100 * setting.error, setting.work, *levels])
+    note = (
+        "Levels are factors by which a knob is coarser (above 1) or finer than in the scene; error "
+        f"is the largest of {', '.join(KEPT)}."
+    )
+    head = ("wanted (%)", "predicted (%)", "work", *names)
+    return Table("Cheapest setting for an error", head, rows, note)
+
+
+def order_table(study: Accuracy) -> Table:
+    """Orders of convergence, observed beside expected."""
+    by_knob: dict[str, dict[str, object]] = {}
+    for row in study.orders:
+        cells = by_knob.setdefault(row.knob, {"expected": row.expected or "–"})
+        shown: object = row.observed
+        if math.isfinite(row.observed) and not row.converges:
+            shown = f"({row.observed:.2f})"
+        cells[row.norm] = shown
+    norms = [name for name in NORMS if any(name in cells for cells in by_knob.values())]
+    rows = [
+        [knob, cells["expected"], *(cells.get(name, "–") for name in norms)]
+        for knob, cells in by_knob.items()
+    ]
+    note = "In brackets: no convergence (order below 0.3 or above 5)."
+    return Table("Order of convergence", ("knob", "expected", *norms), rows, note)
+
+
+def run_table(study: Accuracy) -> Table:
+    """All runs."""
+    head = ("run", "level", "work", "CPU", "element-steps", *NORMS)
+    rows: list[Sequence[object]] = []
+    for p in study.points:
+        errors: list[object] = [
+            100 * p.errors[n] if n in p.errors else "–" if p.stable else "unstable" for n in NORMS
+        ]
+        name = "base (all knobs)" if p.knob == TOGETHER and p.run == "base" else p.run
+        name = f"{p.knob} default" if p.level == 1.0 else name
+        rows.append([name, p.level, p.work, p.cpu, p.element_steps, *errors])
+    note = "Work, CPU and element-steps relative to the default run; errors in per cent."
+    return Table("All runs", head, rows, note)
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``accuracy_page``."""
+    scene = stage.scene(snakemake)
+    records = [json.loads(Path(path).read_text()) for path in snakemake.input.records]
+    study = analyse(scene, records)
+    write_dataset(as_dataset(study, scene), snakemake.output.data)
+    chosen = {
+        f"{target:g}": setting and {**asdict(setting), "levels": dict(setting.levels)}
+        for target, setting in recommendations(study, scene).items()
+    }
+    orders = [asdict(row) for row in study.orders]
+    write_json(
+        {"recommended": chosen, "orders": orders, "chaos": dict(study.chaos)},
+        Path(str(snakemake.output.table)),
+    )
+    figures = Path(str(snakemake.output.figures))
+    drawings = [
+        draw(figures, f"accuracy_{norm}", f"{NORMS[norm].label}: error over work.", figure)
+        for norm in NORMS
+        if any(norm in point.errors for point in study.points)
+        for figure in [accuracy_figure(study, norm)]
+    ]
+    said = [
+        f"The default run's element model and column take {study.seconds:.3g} s of CPU time; "
+        f"repeats differ by {100 * study.noise:.2g} %.",
+        "A nudge of 1e-9 moves positions by "
+        f"{100 * study.chaos['drift']:.2g} % of the drift: errors below that are chaos.",
+    ]
+    tables = [recommendation_table(study, scene), order_table(study), run_table(study)]
+    title = f"Accuracy and cost of {scene.report.title or scene.name}"
+    write_text(render_study(title, LEAD, said, drawings, tables), Path(str(snakemake.output.page)))
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

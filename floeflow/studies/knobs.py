@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The knobs by which accuracy is bought: their values from fine to coarse, and what theory expects.
+
+A level is a factor by which a knob is coarser (above 1) or finer (below 1) than in the scene, so
+that the error goes as level ** order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from floeflow.config import Scene
+
+Changes = dict[str, Any]
+MANY_WINDOWS = 8
+
+
+@dataclass(frozen=True)
+class Knob:
+    """One knob of a study.
+
+    Parameters
+    ----------
+    name : str
+        Short name, also of its runs.
+    text : str
+        What is varied, for people.
+    order : float or None
+        Order of convergence that theory expects; None where none is known.
+    levels : tuple of float
+        From fine to coarse; 1 is the scene itself.
+    changes : callable
+        Level to changed keys.
+    """
+
+    name: str
+    text: str
+    order: float | None
+    levels: tuple[float, ...]
+    changes: Callable[[float], Changes]
+
+
+def knobs(scene: Scene) -> list[Knob]:
+    """Knobs that act in a scene."""
+    found = [_step(scene), _stiffness(scene), _elements(scene), _window(scene), _spacing(scene)]
+    if "thermodynamics" in scene.effects:
+        found.append(_column_step(scene))
+    return found
+
+
+def _step(scene: Scene) -> Knob:
+    share = scene.dynamics.step_share
+
+    def changes(level: float) -> Changes:
+        return {"dynamics.step_share": min(1.0, share * level)}
+
+    text = "time step, share of the critical one"
+    return Knob("step_share", text, 1.0, (0.125, 0.25, 0.5, 1.0, 2.0), changes)
+
+
+def _stiffness(scene: Scene) -> Knob:
+    d = scene.dynamics
+
+    def changes(level: float) -> Changes:
+        return {
+            "dynamics.young_modulus": d.young_modulus / level,
+            "dynamics.contact_modulus": d.contact_modulus / level,
+        }
+
+    return Knob("softness", "stiffness of bonds and contacts", 1.0, (0.25, 1, 4, 16, 64), changes)
+
+
+def _elements(scene: Scene) -> Knob:
+    count = scene.packing.elements
+
+    def changes(level: float) -> Changes:
+        return {"packing.elements": max(8, round(count / level**2))}
+
+    levels = (0.5, math.sqrt(0.5), 1.0, math.sqrt(2.0), 2.0)
+    return Knob("element_size", "size of the elements", 1.0, levels, changes)
+
+
+def _window(scene: Scene) -> Knob:
+    t, samples = scene.time, scene.dynamics.samples
+
+    def changes(level: float) -> Changes:
+        length = t.window * level
+        return {
+            "time.window": length,
+            "time.windows": round(t.windows / level),
+            "forcing.step": min(scene.forcing.step, length),
+            "dynamics.samples": max(1, round(samples * level)),
+        }
+
+    # Many short windows are many files of forcing.
+    fine = (0.25, 0.5) if t.windows <= MANY_WINDOWS else (0.5,)
+    coarse = [float(n) for n in range(2, t.windows + 1) if t.windows % n == 0][:3]
+    return Knob("window", "coupling window", 1.0, (*fine, 1.0, *coarse), changes)
+
+
+def _spacing(scene: Scene) -> Knob:
+    domain, refine = scene.domain, scene.mask.refine
+
+    def changes(level: float) -> Changes:
+        # The mask grid, and with it the ice, stays as it is.
+        return {"domain.spacing": domain.spacing * level, "mask.refine": round(refine * level)}
+
+    fine = [1.0 / n for n in (4, 2) if refine % n == 0]
+    widths = (domain.x_max - domain.x_min, domain.y_max - domain.y_min)
+    coarse = [float(n) for n in (2, 4) if all((w / domain.spacing / n) % 1 == 0 for w in widths)]
+    levels = (*fine, 1.0, *coarse)
+    return Knob("forcing_grid", "cells of the forcing's grid", 2.0, levels, changes)
+
+
+def _column_step(scene: Scene) -> Knob:
+    step = min(scene.column.step, scene.time.window)
+
+    def changes(level: float) -> Changes:
+        return {"column.step": step * level}
+
+    most = scene.time.window / step
+    coarse = [float(n) for n in (2, 4, 8) if n <= most]
+    return Knob("column_step", "time step of the column", 1.0, (0.25, 0.5, 1.0, *coarse), changes)

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Error norms of a run against a reference run, each relative to what happens in the reference.
+
+Positions of the elements, concentration and thickness on the scene's grid, ice volume and area,
+number and place of broken bonds, deformation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from floeflow.config import Scene
+from floeflow.postprocess.grid import make_grid
+from floeflow.studies.compare import RunEnds, differences, scales
+
+
+@dataclass(frozen=True)
+class Norm:
+    """A norm: its label with unit, and what it is divided by to be relative."""
+
+    label: str
+    scale: str = ""
+
+
+NORMS: Mapping[str, Norm] = {
+    "drift": Norm("Position of the elements (m, rms)", "drift"),
+    "volume": Norm("Ice volume per area of sea (m)", "volume"),
+    "area": Norm("Share of the sea under ice (1)", "area"),
+    "siconc": Norm("Concentration on the grid (1, rms)", "siconc"),
+    "sithick": Norm("Thickness on the grid (m, rms)", "sithick"),
+    "bonds": Norm("Number of broken bonds (relative)"),
+    "bonds_elsewhere": Norm("Broken bonds that broke in one run only (share)"),
+    "deformation": Norm("Total deformation (relative)"),
+}
+# Those that a recommendation must keep: they converge. Where bonds break is chaotic.
+KEPT = ("drift", "volume", "area")
+
+
+def on_grid(scene: Scene, ends: RunEnds, mask: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset]:
+    """Gridded concentration and thickness at start and end of a run."""
+    names = ["siconc", "sithick"]
+    first, last = (
+        make_grid(scene, state, mask)[names].isel(time=0) for state in (ends.first, ends.last)
+    )
+    return first, last
+
+
+def errors(
+    reference: RunEnds,
+    ends: RunEnds,
+    grids: tuple[tuple[xr.Dataset, xr.Dataset], tuple[xr.Dataset, xr.Dataset]],
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Errors of a run, and the scales to which they are relative.
+
+    Parameters
+    ----------
+    reference, ends : RunEnds
+        Of one scene.
+    grids : tuple of tuple of xarray.Dataset
+        Start and end of the reference, then of the run, from `on_grid` with one scene and mask.
+
+    Returns
+    -------
+    tuple of dict
+        By norm; absolute errors, never negative.
+    """
+    found = {name: abs(value) for name, value in differences(reference, ends).items()}
+    scale = {**scales(reference), "bonds": 1.0, "bonds_elsewhere": 1.0, "deformation": 1.0}
+    (start, truth), (_, field) = grids
+    for name in ("siconc", "sithick"):
+        found[name] = _rms(field[name], truth[name])
+        # What happens in the run, but a hundredth of the field at least.
+        scale[name] = max(_rms(truth[name], start[name]), 0.01 * _rms(truth[name], 0.0))
+    return found, scale
+
+
+def _rms(one: xr.DataArray, other: xr.DataArray | float) -> float:
+    difference = one.fillna(0.0) - (other.fillna(0.0) if isinstance(other, xr.DataArray) else other)
+    return float(np.sqrt((difference**2).mean()))
+
+
+def relative(found: Mapping[str, float], scale: Mapping[str, float]) -> dict[str, float]:
+    """Errors over their scales."""
+    return {name: value / scale[name] if scale[name] else 0.0 for name, value in found.items()}
