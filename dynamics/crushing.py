@@ -17,7 +17,7 @@ from floeflow.state.schema import COAST
 
 # Ridges may overlap by this share of the smaller radius at a window's end; no disc shrinks below
 # the second share of the radius of a disc with its area.
-OVERLAP, SMALLEST = 0.05, 0.1
+OVERLAP, SMALLEST = 0.095, 0.1
 
 
 def stand_clear(state: xr.Dataset, before: Arrays, after: Arrays, time: float) -> Arrays:
