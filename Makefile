@@ -11,7 +11,7 @@ SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
 export PYTHON LIGGGHTS_ROOT NO_APT
 
-.PHONY: help setup run test verification lint bench-dem bench-column bench-remap doctor test-fresh lock clean
+.PHONY: help setup run test verification stability lint bench-dem bench-column bench-remap bench-plan bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -30,6 +30,9 @@ test: setup lint ## set up, then run lint and every test but the slow ones
 verification: setup ## compare with theory and references at length, draw docs/images/verification
 	.venv/bin/python -m pytest -m verification --figures tests/verification
 
+stability: setup ## run the hard cases at length: results/stability/stability.html
+	.venv/bin/snakemake --profile workflows/profiles/local --keep-going -- stability
+
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh
 
@@ -41,6 +44,20 @@ bench-column: setup ## time the column's schemes, over threads and columns
 
 bench-remap: setup ## time the transfers between elements and grids, beside bincount and griddata
 	.venv/bin/python benchmarks/remap.py
+
+bench-plan: setup ## compare plans with held-out scenes
+	.venv/bin/python benchmarks/plan.py
+
+bench: bench-dem bench-column bench-remap bench-plan ## all benchmarks, and a table of accuracy against cost
+	.venv/bin/python benchmarks/collect.py
+
+studies: setup ## ablation and accuracy of the example scenes, and docs/studies.md (an hour)
+	@for scene in free_drift_day winter_pack summer_melt_month marginal_ice_zone; do \
+	    for study in ablation accuracy; do \
+	        .venv/bin/snakemake --profile workflows/profiles/local --keep-going \
+	            --config scene=config/scenes/$$scene.yaml -- $$study; \
+	    done; done
+	.venv/bin/python -m floeflow.studies.document
 
 doctor: ## say what is there and what is missing, and try a probe of the plugin
 	@setup/doctor.sh

@@ -7,26 +7,14 @@ record that it lies between, and successive times share those.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from floeflow.column.state import Array, ColumnForcing
+from floeflow.column.state import Array
 from floeflow.errors import FloeError
-
-COLUMN_VARIABLES = (
-    "wind_u",
-    "wind_v",
-    "air_temperature",
-    "specific_humidity",
-    "shortwave_down",
-    "longwave_down",
-    "snowfall",
-    "air_pressure",
-    "ocean_heat_flux",
-)
 
 
 class Series:
@@ -107,7 +95,7 @@ def sample_series(data: xr.Dataset, names: Sequence[str], x: Array, y: Array) ->
     names : sequence of str
         Variables to sample.
     x, y : ndarray
-        Places (m), (n,). Up to one cell outside the outermost nodes the edge's value holds.
+        Places (m), (n,). Outside the outermost nodes the edge's value holds, as in the dynamics.
 
     Returns
     -------
@@ -117,7 +105,7 @@ def sample_series(data: xr.Dataset, names: Sequence[str], x: Array, y: Array) ->
     Raises
     ------
     FloeError
-        For a variable or axis that is missing or not ascending, or a place outside.
+        For a variable or axis that is missing or not ascending.
     """
     for name in names:
         if name not in data:
@@ -127,8 +115,8 @@ def sample_series(data: xr.Dataset, names: Sequence[str], x: Array, y: Array) ->
         least = 1 if axis == "time" else 2
         if len(values) < least or values.dtype.kind not in "fi" or np.any(~(np.diff(values) > 0)):
             raise FloeError(f"forcing: axis '{axis}' is missing or its numbers do not ascend")
-    columns, share_x = _bracket(data["x"].values.astype(float), np.asarray(x, float), "x")
-    rows, share_y = _bracket(data["y"].values.astype(float), np.asarray(y, float), "y")
+    columns, share_x = _bracket(data["x"].values.astype(float), np.asarray(x, float))
+    rows, share_y = _bracket(data["y"].values.astype(float), np.asarray(y, float))
     corner = rows * data.sizes["x"] + columns
     nodes = corner[:, None] + np.array([0, 1, data.sizes["x"], data.sizes["x"] + 1])
     weights = np.stack(
@@ -143,41 +131,8 @@ def sample_series(data: xr.Dataset, names: Sequence[str], x: Array, y: Array) ->
     return Series(data, tuple(names), nodes, weights, (np.asarray(x), np.asarray(y)))
 
 
-def column_sampler(data: xr.Dataset, x: Array, y: Array) -> Callable[[float], ColumnForcing]:
-    """Return the column's forcing as a function of time, which is what `advance_window` takes.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        A window's forcing with ``COLUMN_VARIABLES``.
-    x, y : ndarray
-        Element centres (m), (n,).
-
-    Raises
-    ------
-    FloeError
-        As `sample_series`.
-    """
-    series = sample_series(data, COLUMN_VARIABLES, x, y)
-
-    def sample(t: float) -> ColumnForcing:
-        fields = series(t)
-        speed = np.hypot(fields.pop("wind_u"), fields.pop("wind_v"))
-        return ColumnForcing(wind_speed=speed, **fields)
-
-    return sample
-
-
-def _bracket(nodes: Array, places: Array, axis: str) -> tuple[NDArray[np.intp], Array]:
-    """Lower node of each place's interval and the place's share of the interval."""
-    reach = nodes[0] - (nodes[1] - nodes[0]), nodes[-1] + (nodes[-1] - nodes[-2])
-    outside = ~((places >= reach[0]) & (places <= reach[1]))
-    if outside.any():
-        e = int(np.argmax(outside))
-        raise FloeError(
-            f"forcing: element {e} of the sampled lies at {axis} = {places[e]:.0f} m, outside the "
-            f"grid's {nodes[0]:.0f} m to {nodes[-1]:.0f} m"
-        )
+def _bracket(nodes: Array, places: Array) -> tuple[NDArray[np.intp], Array]:
+    """Lower node of each place's interval and the place's share of the interval, 0 to 1."""
     low = np.clip(np.searchsorted(nodes, places, side="right") - 1, 0, len(nodes) - 2)
     share = np.clip((places - nodes[low]) / (nodes[low + 1] - nodes[low]), 0.0, 1.0)
     return low, share

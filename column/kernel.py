@@ -22,6 +22,7 @@ from floeflow.column.boundary_layer import Air, transfer
 from floeflow.column.categories import remap
 from floeflow.column.growth import change_thickness
 from floeflow.column.layers import flood_mush
+from floeflow.column.leads import lead_balance
 from floeflow.column.light import shed_light
 from floeflow.column.mushy import solve_mush
 from floeflow.column.new_ice import freeze_leads
@@ -31,6 +32,7 @@ from floeflow.column.ponds import evolve, flush
 from floeflow.column.profile import fill, new_profile
 from floeflow.column.records import Column, category_energy, category_water, new_scratch, pond_water
 from floeflow.column.scattering import new_rays
+from floeflow.column.shortwave_eddington import MEDIA, ice_media
 from floeflow.column.tidy import clear, empty, melt_sides, open_area, rebin
 
 
@@ -144,7 +146,10 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     potential = pending / dt
     if pending <= 0.0:
         potential = max((freezing - sea) * store, -p.largest_potential)
-    bottom, side = heat_to_ice(sea, freezing, potential, f[r.OCEAN_FRICTION], dt, p)
+    if p.mixed:
+        bottom, side = heat_to_ice(sea, freezing, potential, f[r.OCEAN_FRICTION], dt, p)
+    else:
+        bottom, side = f[r.DEEP_HEAT], 0.0
     stored = total = 0.0
     for n in range(c.area.size):
         s.before[n] = c.ice[n] / c.area[n] if c.area[n] > TINY else 0.0
@@ -161,6 +166,10 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     water = pond_water(c)
     if c.area.size > 1:
         remap(c, s.before, bounds, s, p)
+    lit = (1.0 - p.albedo_ocean) * (f[r.VISIBLE] + f[r.INFRARED])
+    from_air = latent = 0.0
+    if not p.mixed:
+        pending, side, from_air, latent = lead_balance(c, freezing, lit, air, f[r.DEEP_HEAT], dt, p)
     freeze_leads(c, s, max(pending, 0.0), freezing, f[r.SEA_SALINITY], w, bounds, sums, p)
     heat -= melt_sides(c, side, sums)
     if c.area.size == 1:
@@ -171,16 +180,25 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     sums[r.OCEAN_TO_ICE] -= heat
     sums[r.LIGHT_TO_SEA] += light
 
+    if not p.mixed:
+        # The ocean closes the balance of a sea whose heat does not change.
+        sums[r.AIR_TO_SEA] += from_air
+        sums[r.DEEP_TO_SEA] -= heat + pending + from_air + light
+        sums[r.VAPOUR_SEA] -= latent / p.vapour
+        return freezing, 0.0
     for n in range(c.area.size):
         total += c.area[n]
     leads = max(1.0 - total, 0.0)
-    lit = (1.0 - p.albedo_ocean) * (f[r.VISIBLE] + f[r.INFRARED])
     sea, potential, net, latent, deep = mix(
         sea, freezing, leads, lit, air, (heat + light) / dt, f[r.DEEP_HEAT], f[r.MIXED_DEPTH], dt, p
     )
     sums[r.AIR_TO_SEA] += dt * (net + lit * leads)
     sums[r.DEEP_TO_SEA] += dt * deep
     sums[r.VAPOUR_SEA] -= dt * latent / p.vapour
+    if not p.frazil and potential > 0.0:
+        # No ice may be made of it: the deep pays.
+        sums[r.DEEP_TO_SEA] += potential * dt
+        potential = 0.0
     return sea, max(potential, 0.0) * dt
 
 
@@ -213,7 +231,8 @@ def _build(digest: str) -> Callable[..., Any]:
         for part in numba.prange((count + chunk - 1) // chunk):
             w = new_profile(profile, snow_enthalpy.shape[2], constants)
             s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
-            rays = new_rays(profile.size + snow_enthalpy.shape[2])
+            rays = new_rays(profile.size + snow_enthalpy.shape[2], MEDIA)
+            ice_media(rays.media, constants[0])
             last = min((part + 1) * chunk, count)
             step_some(
                 part * chunk, last, area, ice, snow, surface, ice_enthalpy, snow_enthalpy,
@@ -223,10 +242,10 @@ def _build(digest: str) -> Callable[..., Any]:
     return advance
 
 
-def _digest() -> str:
-    folder = Path(__file__).parent
-    parts = [path.read_bytes() for path in sorted(folder.glob("*.py"))]
-    return hashlib.sha256(b"".join(parts)).hexdigest()
+def sources_digest() -> str:
+    """Digest of the folder's compiled modules: those that speak of ``jit``."""
+    parts = [path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py"))]
+    return hashlib.sha256(b"".join(part for part in parts if b"jit" in part)).hexdigest()
 
 
-advance = _build(_digest())
+advance = _build(sources_digest())

@@ -45,6 +45,11 @@ class ColumnParams:
         From this thickness (m) on, ice has the albedo of thick ice.
     snow_patchiness : float
         Snow thickness (m) at which half of the ice shows through.
+    mixed_layer_depth : float
+        Depth of the slab of sea under an element (m), read where it has one.
+    frazil, lateral_melt : bool
+        Whether open water freezes, and whether warm water melts the sides of the ice; what would
+        have done it is the ocean's then.
     """
 
     new_ice_thickness: float = 0.1
@@ -67,6 +72,9 @@ class ColumnParams:
     albedo_ramp: float = 1.0
     albedo_thickness: float = 0.3
     snow_patchiness: float = 0.02
+    mixed_layer_depth: float = 20.0
+    frazil: bool = True
+    lateral_melt: bool = True
 
     @property
     def freezing_temperature(self) -> float:
@@ -87,3 +95,51 @@ class ColumnParams:
     def snow_energy(self) -> float:
         """Energy that melts a cubic metre of snow (J/m3)."""
         return self.snow_density * self.latent_fusion
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a run asks of its columns.
+
+    Parameters
+    ----------
+    scheme : str
+        zero_layer, bl99 or mushy.
+    processes : tuple of str
+        Of snow, shortwave, lateral_melt, frazil, mixed_layer: what is simulated beside the
+        vertical growth and melt.
+    categories, layers : int
+        Thickness categories; layers of ice, where the scheme has any.
+    step : float
+        Longest time step (s).
+    new_ice_thickness : float
+        Thickness at which new ice gathers in open water (m).
+    ocean_salinity : float
+        1e-3.
+    mixed_layer_depth : float
+        m.
+    """
+
+    scheme: str = "zero_layer"
+    processes: tuple[str, ...] = ("snow", "shortwave", "lateral_melt", "frazil")
+    categories: int = 1
+    layers: int = 7
+    step: float = 3600.0
+    new_ice_thickness: float = 0.1
+    ocean_salinity: float = 34.0
+    mixed_layer_depth: float = 20.0
+
+    def has(self, process: str) -> bool:
+        """Whether a process is simulated."""
+        return process in self.processes
+
+
+def zero_layer_params(settings: Settings) -> ColumnParams:
+    """Constants of zero-layer ice under these settings."""
+    return ColumnParams(
+        new_ice_thickness=settings.new_ice_thickness,
+        ocean_salinity=settings.ocean_salinity,
+        mixed_layer_depth=settings.mixed_layer_depth,
+        frazil=settings.has("frazil"),
+        lateral_melt=settings.has("lateral_melt"),
+    )

@@ -46,6 +46,8 @@ class Physics(NamedTuple):
         Freezing point depression (K per 1e-3 of salinity).
     mushy : bool
         Mushy layers with salt of their own (Turner et al. 2013), else Bitz and Lipscomb (1999).
+    mixed, frazil : bool
+        A mixed layer stores heat, else the sea stays at its freezing point; open water freezes.
     delta_eddington : bool
         Light of many directions (Briegleb and Light 2007), else that of CCSM3.
     redistribute_light : bool
@@ -160,6 +162,8 @@ class Physics(NamedTuple):
     vapour: float = 2.501e6
     melting_slope: float = 0.054
     mushy: bool = False
+    mixed: bool = True
+    frazil: bool = True
     delta_eddington: bool = False
     redistribute_light: bool = False
     ponds: bool = False

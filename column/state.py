@@ -58,7 +58,9 @@ class ColumnForcing:
     air_pressure : ndarray
         Pa.
     ocean_heat_flux : ndarray
-        From the ocean to the ice's bottom or the lead, upward (W/m2).
+        From the ocean to the ice's bottom or the lead, or to the mixed layer, upward (W/m2).
+    friction_velocity : ndarray
+        Under the ice (m/s); read with a mixed layer.
     """
 
     air_temperature: Array
@@ -69,6 +71,7 @@ class ColumnForcing:
     snowfall: Array
     air_pressure: Array
     ocean_heat_flux: Array
+    friction_velocity: Array
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,28 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from floeflow.column import zero_layer
+from floeflow.column.categories import category_bounds
+from floeflow.column.itd import remap_categories, thicknesses
 from floeflow.column.params import ColumnParams
-from floeflow.column.schemes import SCHEMES
+from floeflow.column.slab import Sea
 from floeflow.column.state import ColumnFluxes, ColumnForcing, ColumnState, add
 from floeflow.errors import FloeError
+
+
+def sub_steps(t0: float, t1: float, longest: float) -> tuple[int, float]:
+    """Number and length (s) of equal steps from t0 to t1, none above the longest.
+
+    Raises
+    ------
+    FloeError
+        For a window or step that is not positive.
+    """
+    if not (t1 > t0 and longest > 0.0):
+        raise FloeError(f"column.step: no steps of {longest:g} s lead from {t0:g} s to {t1:g} s")
+    # The allowance keeps 86400 s / 3600 s at 24 steps whatever round-off t0 and t1 carry.
+    steps = max(1, math.ceil((t1 - t0) / longest * (1.0 - 1e-12)))
+    return steps, (t1 - t0) / steps
 
 
 def advance_window(
@@ -19,9 +37,9 @@ def advance_window(
     t1: float,
     dt_max: float,
     params: ColumnParams,
-    scheme: str = "zero_layer",
-) -> tuple[ColumnState, ColumnFluxes]:
-    """Advance columns from t0 to t1 in equal sub-steps no longer than dt_max.
+    sea: Sea | None = None,
+) -> tuple[ColumnState, Sea | None, ColumnFluxes]:
+    """Advance zero-layer columns from t0 to t1 in equal sub-steps no longer than dt_max.
 
     Parameters
     ----------
@@ -36,29 +54,27 @@ def advance_window(
         Longest sub-step (s).
     params : ColumnParams
         Constants.
-    scheme : str
-        A name in ``SCHEMES``.
+    sea : Sea, optional
+        Mixed layer at t0.
 
     Returns
     -------
-    tuple of ColumnState and ColumnFluxes
-        Columns at t1, and the budget terms summed over the window.
+    tuple of ColumnState, Sea or None, and ColumnFluxes
+        Columns and mixed layer at t1, and the budget terms summed over the window.
 
     Raises
     ------
     FloeError
-        For an unknown scheme, or a window or step that is not positive.
+        For a window or step that is not positive.
     """
-    if scheme not in SCHEMES:
-        raise FloeError(f"column.scheme: '{scheme}' is no scheme; known are {', '.join(SCHEMES)}")
-    if not (t1 > t0 and dt_max > 0.0):
-        raise FloeError(f"column.step: no steps of {dt_max:g} s lead from {t0:g} s to {t1:g} s")
-    # The allowance keeps 86400 s / 3600 s at 24 steps whatever round-off t0 and t1 carry.
-    steps = max(1, math.ceil((t1 - t0) / dt_max * (1.0 - 1e-12)))
-    dt = (t1 - t0) / steps
+    steps, dt = sub_steps(t0, t1, dt_max)
+    bounds = category_bounds(state.ice_fraction.shape[1])
     total: ColumnFluxes | None = None
     for k in range(steps):
-        state, moved = SCHEMES[scheme](state, sample(t0 + (k + 0.5) * dt), dt, params)
+        forcing, before = sample(t0 + (k + 0.5) * dt), thicknesses(state)
+        state, sea, moved = zero_layer.step_with_sea(state, sea, forcing, dt, params)
+        if len(bounds) > 2:
+            state, moved = remap_categories(before, state, moved, bounds, params)
         total = moved if total is None else add(total, moved)
     assert total is not None
-    return state, total
+    return state, sea, total

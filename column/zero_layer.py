@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from floeflow.column.params import ColumnParams
+from floeflow.column.slab import Sea, heat_to_ice, mix
 from floeflow.column.state import Array, ColumnFluxes, ColumnForcing, ColumnState
 from floeflow.column.surface import balance, ice_albedo, surface_fluxes
 from floeflow.errors import FloeError
@@ -41,7 +42,7 @@ class _Vertical:
 def step(
     state: ColumnState, forcing: ColumnForcing, dt: float, params: ColumnParams
 ) -> tuple[ColumnState, ColumnFluxes]:
-    """Advance columns by one step.
+    """Advance columns over a sea that stays at its freezing point by one step.
 
     Parameters
     ----------
@@ -64,54 +65,77 @@ def step(
     FloeError
         Where a category has ice but no area.
     """
+    after, _, fluxes = step_with_sea(state, None, forcing, dt, params)
+    return after, fluxes
+
+
+def step_with_sea(
+    state: ColumnState, sea: Sea | None, forcing: ColumnForcing, dt: float, params: ColumnParams
+) -> tuple[ColumnState, Sea | None, ColumnFluxes]:
+    """Advance columns by one step, with a mixed layer where one is given; see `step`.
+
+    A mixed layer takes what air and ice give it and keeps it: `energy_to_ocean` is zero then, and
+    `energy_ocean` is what comes from below the layer.
+    """
     lost = (state.ice_volume > 0.0) & ~(state.ice_fraction > 0.0)
     if lost.any():
         element, category = np.argwhere(lost)[0]
         raise FloeError(f"column: element {element} has ice without area in category {category}")
 
-    exists = state.ice_volume > 0.0
-    area = np.where(exists, state.ice_fraction, 0.0)
+    area = np.where(state.ice_volume > 0.0, state.ice_fraction, 0.0)
     open_water = np.maximum(1.0 - area.sum(axis=1), 0.0)
     whole = area.sum(axis=1) + open_water
+    water_temperature = np.full(len(open_water), params.freezing_temperature)
+    bottom, side = forcing.ocean_heat_flux, np.zeros(len(open_water))
+    if sea is not None:
+        stored = _melting_energy(state.ice_volume, state.snow_volume, params)
+        bottom, side = heat_to_ice(sea, forcing.friction_velocity, stored, dt, params)
+        water_temperature = sea.temperature
 
-    vertical = _top_and_bottom(state, area, forcing, dt, params)
+    vertical = _top_and_bottom(state, area, bottom, forcing, dt, params)
     exists = vertical.ice > 0.0
     area = np.where(exists, area, 0.0)
     # Snow whose ice is gone melts in the sea, which pays for it.
     drowned = np.where(exists, 0.0, vertical.snow)
     snow = vertical.snow - drowned
-    to_ocean = (vertical.spare - params.snow_energy * drowned).sum(axis=1)
+    to_sea = (vertical.spare - params.snow_energy * drowned).sum(axis=1)
 
-    freezing = np.full((len(open_water), 1), params.freezing_temperature)
-    lead = surface_fluxes(freezing, forcing, params.albedo_ocean, False, params)
+    lead = surface_fluxes(water_temperature[:, None], forcing, params.albedo_ocean, False, params)
     lead_net, lead_vapour = lead.net[:, 0], lead.vapour[:, 0]
-    lead_heat = lead_net + forcing.ocean_heat_flux - params.latent_fusion * forcing.snowfall
-    lead_heat = lead_heat * open_water * dt
+    lead_heat = (lead_net - params.latent_fusion * forcing.snowfall) * open_water * dt
+    if sea is None:
+        lead_heat = lead_heat + forcing.ocean_heat_flux * open_water * dt
+        lack = np.maximum(-lead_heat, 0.0)
+        share, unused = _lateral_share(np.maximum(lead_heat, 0.0), vertical.ice, snow, params)
+        to_sea = to_sea + unused - (0.0 if params.frazil else lack)
+    else:
+        lack, share = sea.pending_freeze, (1.0 - side)[:, None]
 
-    left, unused = _lateral_share(np.maximum(lead_heat, 0.0), vertical.ice, snow, params)
-    to_ocean = to_ocean + unused
-    ice, snow_left, area = vertical.ice * left, snow * left, area * left
+    ice, snow_left, area = vertical.ice * share, snow * share, area * share
     melt_lateral, snow_lateral = vertical.ice - ice, snow - snow_left
-
-    new_ice = np.zeros_like(ice)
-    new_ice[:, 0] = np.maximum(-lead_heat, 0.0) / params.ice_energy
-    born = np.zeros_like(area)
-    free = np.maximum(1.0 - area.sum(axis=1), 0.0)
-    born[:, 0] = np.minimum(new_ice[:, 0] / params.new_ice_thickness, free)
+    new_ice, born = _freeze(lack, area, params)
     ice, total = ice + new_ice, area + born
     # Ice that is born where no water is left free only thickens what is there.
     warmth = area * vertical.temperature + born * params.freezing_temperature
     temperature = np.where(
         ice > 0.0, warmth / np.where(total > 0.0, total, 1.0), params.freezing_temperature
     )
+    temperature = np.minimum(temperature, params.melting_temperature)
 
     seconds = dt * whole
+    deep = forcing.ocean_heat_flux * seconds
+    if sea is not None:
+        given = bottom * (whole - open_water) * dt
+        melted = _melting_energy(melt_lateral, snow_lateral, params)
+        heat = lead_heat + to_sea - given - melted
+        sea, deep = mix(sea, heat, forcing.ocean_heat_flux, dt, params)
+        to_sea = np.zeros_like(to_sea)
     after = ColumnState(np.minimum(total, 1.0), ice, snow_left, temperature)
     fluxes = ColumnFluxes(
         energy_atmosphere=vertical.energy.sum(axis=1) + lead_net * open_water * dt,
-        energy_ocean=forcing.ocean_heat_flux * seconds,
+        energy_ocean=deep,
         energy_snowfall=-params.latent_fusion * forcing.snowfall * seconds,
-        energy_to_ocean=to_ocean,
+        energy_to_ocean=to_sea,
         evaporation=vertical.vapour.sum(axis=1) + lead_vapour * open_water * dt,
         growth_base=vertical.growth_base,
         new_ice=new_ice,
@@ -123,11 +147,31 @@ def step(
         snowfall=vertical.snowfall,
         snow_melt=vertical.snow_melt + drowned + snow_lateral,
     )
-    return after, fluxes
+    return after, sea, fluxes
+
+
+def _melting_energy(ice: Array, snow: Array, params: ColumnParams) -> Array:
+    """Energy that melts all ice and snow (J/m2), (n,)."""
+    return np.asarray((params.ice_energy * ice + params.snow_energy * snow).sum(axis=1))
+
+
+def _freeze(lack: Array, area: Array, params: ColumnParams) -> tuple[Array, Array]:
+    """Volume and area of the ice that a lack of heat (J/m2) makes in the thinnest category."""
+    new_ice, born = np.zeros_like(area), np.zeros_like(area)
+    if params.frazil:
+        new_ice[:, 0] = lack / params.ice_energy
+        free = np.maximum(1.0 - area.sum(axis=1), 0.0)
+        born[:, 0] = np.minimum(new_ice[:, 0] / params.new_ice_thickness, free)
+    return new_ice, born
 
 
 def _top_and_bottom(
-    state: ColumnState, area: Array, forcing: ColumnForcing, dt: float, params: ColumnParams
+    state: ColumnState,
+    area: Array,
+    ocean: Array,
+    forcing: ColumnForcing,
+    dt: float,
+    params: ColumnParams,
 ) -> _Vertical:
     """Grow, snow, sublimate and melt each category, in this order, within its own area."""
     exists = area > 0.0
@@ -141,7 +185,7 @@ def _top_and_bottom(
         state.surface_temperature, conductance, forcing, albedo, params
     )
     conducted = excess - flux.net  # upward, W/m2
-    bottom = (forcing.ocean_heat_flux[:, None] - conducted) * dt * area
+    bottom = (ocean[:, None] - conducted) * dt * area
     heat = excess * dt * area
     vapour = flux.vapour * dt * area
 
@@ -202,6 +246,8 @@ def _lateral_share(
 
     The sides melt at constant thickness: area, ice and snow go in one proportion.
     """
-    stored = (params.ice_energy * ice + params.snow_energy * snow).sum(axis=1)
+    if not params.lateral_melt:
+        return np.ones((len(heat), 1)), heat
+    stored = _melting_energy(ice, snow, params)
     gone = np.where(heat < stored, heat / np.where(stored > 0.0, stored, 1.0), 1.0)
     return (1.0 - gone)[:, None], np.maximum(heat - stored, 0.0)

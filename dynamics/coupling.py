@@ -6,38 +6,54 @@ A column knows nothing of its neighbours, so slices give the same bits on any nu
 
 from __future__ import annotations
 
-from dataclasses import fields
+from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
 from mpi4py import MPI
 
-from floeflow.column.forcing import column_sampler, sample_series
-from floeflow.column.params import ColumnParams
-from floeflow.column.state import ColumnFluxes, ColumnState, column_energy
-from floeflow.column.window import advance_window
+from floeflow.column.forcing import sample_series
+from floeflow.column.params import ColumnParams, zero_layer_params
+from floeflow.column.scene import column_settings
+from floeflow.column.schemes import advance_columns as advance_slice
 from floeflow.config import Scene
 from floeflow.dynamics.collective import on_all
 from floeflow.dynamics.elements import Arrays
 from floeflow.dynamics.motion import engine_params
 from floeflow.dynamics.refreeze import Cold, refreeze
+from floeflow.effects import column_forcing_variables, column_variables
 from floeflow.state.schema import MOBILE
 
 Budget = dict[str, float]
 
 
 def column_params(scene: Scene) -> ColumnParams:
-    """Constants of the scene's columns."""
-    return ColumnParams(
-        new_ice_thickness=scene.column.new_ice_thickness,
-        ocean_salinity=scene.column.ocean_salinity,
-    )
+    """Constants of zero-layer ice in the scene."""
+    return zero_layer_params(column_settings(scene))
 
 
-def column_state(state: xr.Dataset, rows: np.ndarray) -> ColumnState:
-    """Columns of some elements of a state."""
-    names = [field.name for field in fields(ColumnState)]
-    return ColumnState(**{name: state[name].values[rows].copy() for name in names})
+def forcing_sampler(
+    scene: Scene, state: xr.Dataset, forcing: xr.Dataset, rows: np.ndarray
+) -> Callable[[float], dict[str, np.ndarray]]:
+    """Forcing of some elements as a function of time.
+
+    With a mixed layer and ocean drag the ice's drift against the current gives the friction
+    velocity under it, sqrt(C_w) |u_w - u|, with the velocity at the window's end.
+    """
+    names = column_forcing_variables(scene.effects)
+    rubs = "mixed_layer" in scene.effects and "ocean_drag" in scene.effects
+    names = (*names, "ocean_u", "ocean_v") if rubs else names
+    u, v, x, y = (state[name].values[rows] for name in "uvxy")
+    series = sample_series(forcing, names, x, y)
+
+    def sample(t: float) -> dict[str, np.ndarray]:
+        values = series(t)
+        if rubs:
+            slip = np.hypot(values.pop("ocean_u") - u, values.pop("ocean_v") - v)
+            values["friction_velocity"] = np.sqrt(scene.dynamics.ocean_drag) * slip
+        return values
+
+    return sample
 
 
 def advance_columns(
@@ -46,6 +62,7 @@ def advance_columns(
     state: xr.Dataset,
     forcing: xr.Dataset,
     window: tuple[float, float],
+    first_area: np.ndarray,
 ) -> tuple[xr.Dataset, Budget]:
     """Advance the columns of all mobile elements over a window.
 
@@ -61,38 +78,40 @@ def advance_columns(
         The window's forcing on the scene's grid.
     window : tuple of float
         Start and end of the window, s since the scene's start.
+    first_area : ndarray
+        Areas of the elements before the window's ridging (m2), (n,).
 
     Returns
     -------
     tuple of xarray.Dataset and dict
         State with new columns; terms of the budgets, integrated over the elements' areas:
-        ``growth_<term>`` (m3 of ice), ``snow_<term>`` (m3 of snow), ``energy_<term>`` (J).
+        ``growth_<term>`` (m3 of ice), ``snow_<term>`` (m3 of snow), ``energy_<term>`` (J),
+        ``water_<term>`` and ``salt_<term>`` (kg).
     """
-    params = column_params(scene)
+    settings = column_settings(scene)
+    names = column_variables(scene.effects, settings.scheme)
     mobile = np.flatnonzero(state["type"].values == MOBILE)
     mine = np.array_split(mobile, comm.size)[comm.rank]
-    before = column_state(state, mine)
+    before = {name: state[name].values[mine] for name in names}
+    closed = None
+    if "redistribution" in scene.effects:
+        closed = 1.0 - state["area"].values[mine] / first_area[mine]
 
-    def advance() -> tuple[ColumnState, ColumnFluxes]:
-        sample = column_sampler(forcing, state["x"].values[mine], state["y"].values[mine])
-        step, scheme = scene.column.step, scene.column.scheme
-        return advance_window(before, sample, *window, step, params, scheme)
+    def advance() -> tuple[Arrays, Arrays]:
+        sample = forcing_sampler(scene, state, forcing, mine)
+        return advance_slice(before, sample, window, settings, closed)
 
-    after, fluxes = on_all(comm, advance)
+    after, terms = on_all(comm, advance)
     result = state.copy()
-    for field in fields(ColumnState):
-        whole = state[field.name].values.copy()
-        whole[mobile] = np.concatenate(comm.allgather(getattr(after, field.name)))
-        result[field.name] = (state[field.name].dims, whole)
+    for name in names:
+        whole = state[name].values.copy()
+        whole[mobile] = np.concatenate(comm.allgather(after[name]))
+        result[name] = (state[name].dims, whole)
     # Integrated on the whole arrays, so that the sums are the same on any number of ranks.
-    parts = {
-        field.name: np.concatenate(comm.allgather(getattr(fluxes, field.name)))
-        for field in fields(ColumnFluxes)
+    area = state["area"].values[mobile]
+    budget = {
+        name: float(area @ np.concatenate(comm.allgather(values))) for name, values in terms.items()
     }
-    budget = _integrate(ColumnFluxes(**parts), state["area"].values[mobile])
-    start = column_energy(column_state(state, mobile), params)
-    end = column_energy(column_state(result, mobile), params)
-    budget["energy_stored"] = float(state["area"].values[mobile] @ (end - start))
     return result, budget
 
 
@@ -135,34 +154,3 @@ def freeze_window(
         return sample(0.5 * (window[0] + window[1]))["air_temperature"]
 
     return refreeze(state, touched, air, cold, engine_params(scene), window[1] - window[0])
-
-
-# How each flux enters the budgets, and with which sign.
-_ICE_TERMS = {
-    "growth_base": 1.0,
-    "new_ice": 1.0,
-    "melt_top": -1.0,
-    "melt_base": -1.0,
-    "melt_lateral": -1.0,
-    "sublimation_ice": -1.0,
-}
-_SNOW_TERMS = {"snowfall": 1.0, "snow_melt": -1.0, "sublimation_snow": -1.0}
-_ENERGY_TERMS = {
-    "energy_atmosphere": 1.0,
-    "energy_ocean": 1.0,
-    "energy_snowfall": 1.0,
-    "energy_to_ocean": -1.0,
-}
-
-
-def _integrate(fluxes: ColumnFluxes, area: np.ndarray) -> Budget:
-    budget = {}
-    for name, sign in _ICE_TERMS.items():
-        term = name.removeprefix("growth_").removesuffix("_ice") if name != "new_ice" else name
-        budget[f"growth_{term}"] = sign * float(area @ getattr(fluxes, name).sum(axis=1))
-    for name, sign in _SNOW_TERMS.items():
-        term = name.removeprefix("snow_").removesuffix("_snow")
-        budget[f"snow_{term}"] = sign * float(area @ getattr(fluxes, name).sum(axis=1))
-    for name, sign in _ENERGY_TERMS.items():
-        budget[name] = sign * float(area @ getattr(fluxes, name))
-    return budget

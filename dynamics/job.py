@@ -27,6 +27,8 @@ class Job:
         ``results/<scene>``.
     fixed : dict
         Hashes that go into each window's hash; see ``resume.window_hash``.
+    cells : str
+        File of the fresh cells; empty where nothing is remapped.
     """
 
     scene: dict[str, object]
@@ -35,6 +37,7 @@ class Job:
     forcing: list[str]
     folder: str
     fixed: dict[str, str]
+    cells: str = ""
 
     def to_json(self) -> str:
         """Return the job as one line of JSON."""

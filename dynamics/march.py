@@ -28,6 +28,8 @@ from floeflow.dynamics.coupling import advance_columns, freeze_window
 from floeflow.dynamics.elements import pair_arrays, thin_bonds
 from floeflow.dynamics.job import Job
 from floeflow.dynamics.motion import Motion, move
+from floeflow.dynamics.remesh.cells import Cells, read_cells
+from floeflow.dynamics.remesh.rule import carry_drift, cure
 from floeflow.dynamics.series import series_dataset, volumes
 from floeflow.errors import FloeError
 from floeflow.lock import hold_job
@@ -46,9 +48,15 @@ class Advanced:
 
 
 def advance_window(
-    comm: MPI.Comm, scene: Scene, state: xr.Dataset, forcing: xr.Dataset, log: Path, report: Report
+    comm: MPI.Comm,
+    scene: Scene,
+    state: xr.Dataset,
+    forcing: xr.Dataset,
+    log: Path,
+    report: Report,
+    cells: Cells | None = None,
 ) -> Advanced:
-    """Advance a state by one window: dynamics, then column.
+    """Advance a state by one window: dynamics, then column, then what cures distortion.
 
     Parameters
     ----------
@@ -62,6 +70,8 @@ def advance_window(
         LIGGGHTS' log.
     report : callable
         Called with the step reached, the number of steps and elements.
+    cells : Cells, optional
+        Fresh cells of a scene that remaps.
 
     Returns
     -------
@@ -76,13 +86,13 @@ def advance_window(
     start = float(state.attrs["time"])
     end = start + scene.time.window
     budget = volumes(state, "start")
-    touched = pair_arrays(state, "contact")
+    touched, area = pair_arrays(state, "contact"), state["area"].values
     motion = move(comm, scene, state, forcing, log, report)
-    state = motion.state
+    state = carry_drift(state, motion.state)
     budget |= volumes(state, "dynamics")
     began, used = time.perf_counter(), time.process_time()
     if "thermodynamics" in scene.effects:
-        state, terms = advance_columns(comm, scene, state, forcing, (start, end))
+        state, terms = advance_columns(comm, scene, state, forcing, (start, end), area)
         budget |= terms
         state = thin_bonds(state)
     if "refreeze" in scene.effects:
@@ -90,14 +100,21 @@ def advance_window(
         budget["bonds_refrozen"] = formed
     seconds = time.perf_counter() - began
     cpu = comm.allreduce(time.process_time() - used)
-    budget |= volumes(state, "end")
     state.attrs = {
         **state.attrs,
         "time": end,
         "window": int(state.attrs["window"]) + 1,
     }
+    costs = _costs(scene, comm.size, motion, (seconds, cpu))
+    if {"remap", "merge"} & set(scene.effects):
+        began = time.perf_counter()
+        state, terms = on_root(comm, cure, scene, state, cells)
+        budget |= terms
+        n, seconds = state.sizes["element"], time.perf_counter() - began
+        costs.append(Record("remesh", n, comm.size, [seconds]))
+    budget |= volumes(state, "end")
     series = series_dataset(motion, budget, start)
-    return Advanced(state, series, _costs(scene, comm.size, motion, (seconds, cpu)))
+    return Advanced(state, series, costs)
 
 
 def _costs(scene: Scene, ranks: int, motion: Motion, column: tuple[float, float]) -> list[Record]:
@@ -132,13 +149,14 @@ def march(comm: MPI.Comm, job: Job) -> None:
 def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
     scene = job.read_scene()
     state = on_root(comm, read_state, job.state)
+    cells = read_cells(on_root(comm, read_dataset, job.cells)) if job.cells else None
     for window, path in zip(job.windows, job.forcing, strict=True):
         began = time.perf_counter()
         forcing = on_root(comm, read_dataset, path)
         made_from = resume.window_hash(state, forcing, job.fixed)
         log = folder / "log/window" / f"{window}.liggghts.log"
         report = _reporter(comm, window)
-        advanced = advance_window(comm, scene, state, forcing, log, report)
+        advanced = advance_window(comm, scene, state, forcing, log, report, cells)
         provenance = json.loads(state.attrs["provenance"])
         provenance |= job.fixed | {"window": made_from}
         advanced.state.attrs["provenance"] = json.dumps(provenance, sort_keys=True)

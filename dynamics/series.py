@@ -32,6 +32,14 @@ PREFIX_UNITS = {
     "growth_": "m3",
     "snow_": "m3",
     "energy_": "J",
+    "water_": "kg",
+    "salt_": "kg",
+    "remap_momentum_": "kg m s-1",
+    "remap_energy": "J",
+    "remap_": "1",
+    "merge_momentum_": "kg m s-1",
+    "merge_energy": "J",
+    "merge_": "1",
     "wall_force_": "N",
 }
 

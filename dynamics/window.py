@@ -26,7 +26,7 @@ from floeflow.state import read_state
 
 def fixed_hashes(scene: Scene, plugin: str | Path, ranks: int) -> dict[str, str]:
     """What goes into the hash of every window of a run; see ``resume.window_hash``."""
-    hashes = {stage: stage_hash(scene, stage) for stage in ("dynamics", "column")}
+    hashes = {stage: stage_hash(scene, stage) for stage in ("dynamics", "column", "cure")}
     return {**hashes, "plugin": resume.file_hash(plugin), "ranks": str(ranks)}
 
 
@@ -132,7 +132,8 @@ def main(snakemake: stage.Snakemake) -> None:
             state_path = work / resume.PARTS["state"]
         if todo:
             values = scene.model_dump(mode="json")
-            job = Job(values, str(state_path), todo, paths, str(folder), fixed)
+            cells = str(snakemake.input.cells or "")
+            job = Job(values, str(state_path), todo, paths, str(folder), fixed, cells)
             run_ranks(job, snakemake.threads, log)
         resume.publish(folder, windows)
 

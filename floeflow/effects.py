@@ -51,6 +51,8 @@ class Effect:
         Rules it adds to the workflow.
     figures : tuple of str
         How the names of the figures begin that it adds to the report.
+    excludes : tuple of str
+        Effects beside which it makes no sense.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Effect:
     diagnostics: tuple[str, ...] = ()
     rules: tuple[str, ...] = ()
     figures: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
 
 
 _BOND_STATE = (
@@ -184,24 +187,70 @@ _REGISTERED = (
     ),
     Effect(
         name="thermodynamics",
-        physics="Growth and melt of ice and snow in each element's column between windows.",
-        source="Semtner 1976 (zero-layer)",
-        column=("vertical", "snow", "new_ice"),
+        physics="Ice conducts heat, grows at its bottom and melts at both sides, between windows.",
+        source="Semtner 1976; Bitz & Lipscomb 1999; Turner, Hunke & Bitz 2013",
+        column=("vertical",),
         forcing=(
             "wind_u",
             "wind_v",
             "air_temperature",
             "specific_humidity",
             "air_pressure",
-            "shortwave_down",
             "longwave_down",
-            "snowfall",
             "ocean_heat_flux",
         ),
-        state=("snow_volume", "surface_temperature"),
-        output=("sisnthick",),
+        state=("surface_temperature", "ice_enthalpy", "ice_salinity"),
         diagnostics=("ice_growth",),
-        figures=("series_snow", "budget_column_energy", "budget_snow_volume"),
+        figures=("budget_column",),
+    ),
+    Effect(
+        name="snow",
+        physics="Snow falls on the ice, insulates, brightens, melts, and floods.",
+        source="Maykut & Untersteiner 1971; Hunke et al. 2015",
+        needs=("thermodynamics",),
+        column=("snow",),
+        forcing=("snowfall",),
+        state=("snow_volume", "snow_enthalpy"),
+        output=("sisnthick",),
+        diagnostics=("snow_volume",),
+        figures=("series_snow", "budget_snow_volume"),
+    ),
+    Effect(
+        name="shortwave",
+        physics="The sun warms ice, snow and leads, with albedo and, in layers, light inside.",
+        source="Briegleb et al. 2004 (CCSM3)",
+        needs=("thermodynamics",),
+        column=("shortwave",),
+        forcing=("shortwave_down",),
+    ),
+    Effect(
+        name="lateral_melt",
+        physics="Warm water melts the sides of floes: area goes, thickness stays.",
+        source="Maykut & Perovich 1987; Steele 1992",
+        needs=("thermodynamics",),
+        column=("lateral_melt",),
+    ),
+    Effect(
+        name="frazil",
+        physics="Open water that loses heat at its freezing point makes new ice.",
+        source="Hibler 1979; Hunke et al. 2015",
+        needs=("thermodynamics",),
+        column=("frazil",),
+    ),
+    Effect(
+        name="mixed_layer",
+        physics="A slab of sea under each element stores heat: water cools before it freezes.",
+        source="Hunke et al. 2015; Maykut & McPhee 1995",
+        needs=("thermodynamics",),
+        column=("mixed_layer",),
+        state=("sea_temperature", "pending_freeze"),
+    ),
+    Effect(
+        name="redistribution",
+        physics="Ridging takes thin ice first and piles it up in thick categories.",
+        source="Thorndike et al. 1975; Hibler 1980; Lipscomb et al. 2007",
+        needs=("ridging", "thermodynamics"),
+        column=("redistribution",),
     ),
     Effect(
         name="grid_output",
@@ -216,9 +265,32 @@ _REGISTERED = (
         source="LAMMPS dump format",
         rules=("trajectory_files",),
     ),
+    Effect(
+        name="remap",
+        physics="Distorted elements are replaced by fresh ones that hold the same, conservatively.",
+        source="Turner et al. 2022, GMD 15, 1953; Zalesak 1979; Levine & Peres 2009",
+        excludes=("merge", "walls"),
+        state=("cell_corners", "corner_x", "corner_y", "drift_x", "drift_y"),
+        diagnostics=("remap_done", "remap_overlap"),
+        rules=("cells",),
+    ),
+    Effect(
+        name="merge",
+        physics="Elements that became too small join their largest neighbour.",
+        source="Turner et al. 2018 (DEMSI)",
+        excludes=("remap",),
+        diagnostics=("merge_elements",),
+    ),
 )
 
 EFFECTS: dict[str, Effect] = {effect.name: effect for effect in _REGISTERED}
+
+# Variables that only some column schemes have; the others of an effect come with every scheme.
+SCHEME_STATE: dict[str, tuple[str, ...]] = {
+    "ice_enthalpy": ("bl99", "mushy"),
+    "snow_enthalpy": ("bl99", "mushy"),
+    "ice_salinity": ("mushy",),
+}
 
 
 def check_effects(names: Iterable[str]) -> tuple[str, ...]:
@@ -238,10 +310,23 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
             raise FloeError(f"effects: '{name}' is no effect; {hint}")
         if names.count(name) > 1:
             raise FloeError(f"effects: '{name}' is named twice")
+        for other in EFFECTS[name].excludes:
+            if other in names:
+                raise FloeError(f"effects: '{name}' and '{other}' exclude each other")
         for need in EFFECTS[name].needs:
             if need not in names:
                 raise FloeError(f"effects: '{name}' needs '{need}', which the scene does not name")
     return tuple(name for name in EFFECTS if name in names)
+
+
+def compatible(names: Iterable[str], first: str = "") -> tuple[str, ...]:
+    """Those effects, in the registry's order, that none before them excludes; ``first`` stays."""
+    names, kept = set(names), [first] if first else list[str]()
+    for name in EFFECTS:
+        clash = (other for other in kept if name in EFFECTS[other].excludes)
+        if name in names and not set(EFFECTS[name].excludes) & set(kept) and not any(clash):
+            kept.append(name)
+    return tuple(name for name in EFFECTS if name in kept)
 
 
 def _collect(field: str, names: Iterable[str]) -> tuple[str, ...]:
@@ -259,8 +344,8 @@ def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
     return _collect("forcing", names)
 
 
-def state_variables(names: Iterable[str]) -> tuple[str, ...]:
-    """Variables that these effects add to the state."""
+def state_variables(names: Iterable[str], scheme: str = "zero_layer") -> tuple[str, ...]:
+    """Variables that these effects add to the state under a column scheme."""
     names = tuple(names)
     both = (
         variable
@@ -269,7 +354,8 @@ def state_variables(names: Iterable[str]) -> tuple[str, ...]:
         if other in names
         for variable in variables
     )
-    return tuple(dict.fromkeys((*_collect("state", names), *both)))
+    found = dict.fromkeys((*_collect("state", names), *both))
+    return tuple(name for name in found if scheme in SCHEME_STATE.get(name, (scheme,)))
 
 
 def output_variables(names: Iterable[str]) -> tuple[str, ...]:
@@ -280,6 +366,29 @@ def output_variables(names: Iterable[str]) -> tuple[str, ...]:
 def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
     """Series that these effects add to the diagnostics."""
     return _collect("diagnostics", names)
+
+
+# Every column has these; its effects add the others.
+_COLUMN_STATE = ("ice_fraction", "ice_volume")
+
+
+def _column_effects(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(name for name in names if EFFECTS[name].column)
+
+
+def column_processes(names: Iterable[str]) -> tuple[str, ...]:
+    """Processes that these effects add to the column."""
+    return _collect("column", names)
+
+
+def column_variables(names: Iterable[str], scheme: str) -> tuple[str, ...]:
+    """Variables of the state that a column reads and writes under these effects."""
+    return _COLUMN_STATE + state_variables(_column_effects(names), scheme)
+
+
+def column_forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
+    """Forcing variables that the columns read under these effects."""
+    return forcing_variables(_column_effects(names))
 
 
 if __name__ == "__main__":

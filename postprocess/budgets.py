@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Budgets of the run: what changed, what explains it, and what is left over.
 
-Each budget is closed window by window, so that two faults of opposite sign in two windows do not
-hide each other; its verdict rests on the worst window. Thresholds are stated here once and shown
-in the report.
+Each is closed window by window, so that faults of opposite sign in two windows do not hide each
+other; its verdict rests on the worst window. Thresholds stand here and are shown in the report.
 """
 
 from __future__ import annotations
@@ -223,20 +222,25 @@ def snow_volume_budget(scalars: xr.Dataset, volume: Array) -> Budget:
     )
 
 
-def column_energy_budget(scalars: xr.Dataset) -> Budget:
-    """Energy that went into the columns against the energy they stored (J)."""
-    terms = _matching(scalars, "energy_")
-    stored = terms.pop("stored")
-    return Budget(
-        "column_energy",
-        "Energy of the columns",
-        "J",
-        stored,
-        terms,
-        _absolute_sum(terms, stored),
-        scalars["window"].values,
-        LIMITS["column_energy"],
-    )
+_STORED = {
+    "energy": ("Energy of the columns", "J"),
+    "water": ("Water in ice and snow", "kg"),
+    "salt": ("Salt in the ice", "kg"),
+}
+
+
+def column_budgets(scalars: xr.Dataset) -> list[Budget]:
+    """What went into the columns against their ``<quantity>_stored``, where they tell of it."""
+    found = []
+    for kind, (label, unit) in _STORED.items():
+        if f"{kind}_stored" not in scalars:
+            continue
+        terms = _matching(scalars, f"{kind}_")
+        stored = terms.pop("stored")
+        scale, windows = _absolute_sum(terms, stored), scalars["window"].values
+        named = f"column_{kind}", label, unit
+        found.append(Budget(*named, stored, terms, scale, windows, LIMITS["column_energy"]))
+    return found
 
 
 def dem_energy_budget(scalars: xr.Dataset, kinetic: Array, elastic: Array) -> Budget | None:

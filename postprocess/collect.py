@@ -104,7 +104,10 @@ def expected_series(effects: tuple[str, ...]) -> list[str]:
     for series in diagnostic_series(effects):
         if series.startswith("impulse_"):
             names += [f"{series}_x", f"{series}_y"]
-        elif series in ("intact_bonds", "bonds_refrozen"):
+        elif series.startswith(("remap_", "merge_")) or series in (
+            "intact_bonds",
+            "bonds_refrozen",
+        ):
             names.append(series)
         elif series == "ridged_area":
             names += [series, "dissipation_ridging"]
@@ -119,6 +122,16 @@ def intact(state: xr.Dataset) -> np.ndarray:
     return np.stack([state["bond_id_lo"].values, state["bond_id_hi"].values], axis=1)[holds]
 
 
+def broken_by_motion(samples: xr.Dataset, windows: Sequence[int]) -> np.ndarray:
+    """Bonds broken since the start at each boundary, from the samples of the motion alone.
+
+    Remapping and merging make other bonds between windows, so pairs cannot be compared then.
+    """
+    number, held = samples["sample_window"].values, samples["intact_bonds"].values
+    lost = [held[number == window][0] - held[number == window][-1] for window in windows]
+    return np.concatenate([[0], np.cumsum(lost)]).astype(np.int64)
+
+
 def lost_pairs(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     """Pairs that are in the first list and not in the second, (n, 2)."""
     kept = {tuple(pair) for pair in after.tolist()}
@@ -127,13 +140,17 @@ def lost_pairs(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 
 def displacement(first: xr.Dataset, last: xr.Dataset) -> tuple[xr.Dataset, np.ndarray]:
-    """Net displacement of the mobile elements that are in both states.
+    """Net displacement of the mobile elements that are in both states, or of remapped ice.
 
     Returns
     -------
     tuple of xarray.Dataset and ndarray
         Those elements of ``last``, and their displacement from ``first`` (m), (element, 2).
     """
+    if "drift_x" in last:
+        # Fresh elements take the displacement of their ice with them.
+        last = last.isel(element=np.flatnonzero(last["type"].values == MOBILE))
+        return last, np.stack([last["drift_x"].values, last["drift_y"].values], axis=1)
     first = first.isel(element=np.flatnonzero(first["type"].values == MOBILE))
     last = last.isel(element=np.flatnonzero(last["type"].values == MOBILE))
     _, here, there = np.intersect1d(
@@ -161,7 +178,7 @@ def summarise_states(
     tuple of xarray.Dataset and list of dict
         On ``boundary``: ``boundary_time`` (s), ``ice_area`` (m2), ``ice_volume`` (m3),
         ``mean_displacement`` and ``largest_displacement`` since the start (m), ``elements``,
-        ``coast_elements``, ``ocean_area`` and ``unclaimed_water`` (m2), with thermodynamics
+        ``coast_elements``, ``ocean_area`` and ``unclaimed_water`` (m2), with snow
         ``snow_volume`` (m3), with bonds ``bonds`` and ``bonds_broken`` since the start; and each
         state's window and checksum.
     """
@@ -173,7 +190,7 @@ def summarise_states(
         state = read_state(window_file(folder, window, ".nc"))
         first = state if first is None else first
         row = _totals(first, state)
-        if "thermodynamics" in effects:
+        if "snow" in effects:
             row["snow_volume"] = _volume(state, "snow_volume")
         if "bonds" in effects:
             now = intact(state)

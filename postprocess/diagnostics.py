@@ -20,7 +20,7 @@ from floeflow import stage
 from floeflow.errors import FloeError
 from floeflow.postprocess.budgets import (
     Budget,
-    column_energy_budget,
+    column_budgets,
     dem_energy_budget,
     grid_budget,
     ice_volume_budgets,
@@ -28,6 +28,7 @@ from floeflow.postprocess.budgets import (
     snow_volume_budget,
 )
 from floeflow.postprocess.collect import (
+    broken_by_motion,
     read_cost,
     read_series,
     summarise_grids,
@@ -97,9 +98,10 @@ def close_budgets(
     """
     found = [momentum_budget(scalars, axis) for axis in "xy"]
     found += ice_volume_budgets(scalars, boundaries["ice_volume"].values)
-    if "thermodynamics" in effects:
+    if "snow" in effects:
         found.append(snow_volume_budget(scalars, boundaries["snow_volume"].values))
-        found.append(column_energy_budget(scalars))
+    if "thermodynamics" in effects:
+        found += column_budgets(scalars)
     kinetic, elastic = (
         change_over_windows(samples, name, scalars["window"].values)
         for name in ("kinetic_energy", "elastic_energy")
@@ -251,6 +253,8 @@ def diagnose(
         raise FloeError(f"{folder}: there is no window to diagnose")
     samples, scalars = read_series(folder / "series", windows, effects)
     boundaries, states = summarise_states(folder / "state", windows, effects)
+    if "bonds_broken" in boundaries and {"remap", "merge"} & set(effects):
+        boundaries["bonds_broken"] = ("boundary", broken_by_motion(samples, windows))
     costs = read_cost(folder / "cost", windows)
     gridded = summarise_grids(sorted(grids)) if grids else xr.Dataset()
     budgets = close_budgets(samples, scalars, boundaries, gridded, effects)

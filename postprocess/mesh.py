@@ -95,6 +95,19 @@ def body_outlines(packing: xr.Dataset, first: xr.Dataset) -> Outlines:
     return Outlines(ids, start, *_turned(there, -first["theta"].values))
 
 
+def own_outlines(state: xr.Dataset) -> Outlines:
+    """Outlines that a state of remapped elements holds, in the form of `body_outlines`."""
+    count = state.sizes["element"]
+    data = {name: ("element", state[name].values) for name in ("id", "radius")}
+    held = xr.Dataset(
+        data
+        | {"cell_start": ("bound", np.append(0, np.cumsum(state["cell_corners"].values)))}
+        | {f"cell_{axis}": ("vertex", state[f"corner_{axis}"].values) for axis in ("x", "y")}
+    )
+    still = {name: ("element", np.zeros(count)) for name in ("x", "y", "theta")}
+    return body_outlines(held, xr.Dataset(still | {"id": ("element", state["id"].values)}))
+
+
 def carried_outlines(body: Outlines, state: xr.Dataset) -> Outlines:
     """Outlines of a state's elements where they are: turned by their orientation, then shifted.
 
@@ -193,7 +206,10 @@ def write_meshes(
     body: Outlines | None = None
     times = []
     for state, path in zip(states, paths, strict=True):
-        body = body_outlines(packing, state) if body is None else body
+        if "cell_corners" in state:
+            body = own_outlines(state)
+        else:
+            body = body_outlines(packing, state) if body is None else body
         outlines = carried_outlines(body, state)
         write_polygons(path, outlines.start, outlines.x, outlines.y, cell_fields(state))
         times.append(float(state.attrs["time"]))

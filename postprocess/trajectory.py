@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 KEPT = ("x", "y", "theta", "u", "v", "radius", "area")
 # Columns of the dump after id and type: name there, name here (none: always 0), and format.
@@ -58,6 +59,9 @@ COLUMNS = (
 def make_frames(states: Iterable[xr.Dataset]) -> xr.Dataset:
     """Lay what a trajectory needs of the states along time.
 
+    Every element that ever was is in all frames, as MDAnalysis asks for. Where it is not (before
+    remapping made it, after it was merged) it stands where it was last or is next, with no mass.
+
     Parameters
     ----------
     states : iterable of xarray.Dataset
@@ -67,48 +71,56 @@ def make_frames(states: Iterable[xr.Dataset]) -> xr.Dataset:
     -------
     xarray.Dataset
         On (time, element): x, y, radius (m), theta (rad), u, v (m/s), area (m2), mass (kg),
-        ice_fraction (1), thickness (m; 0 where an element has no ice). Coordinates time (s), id
-        and type; the bonds intact at the first boundary as columns of their elements,
+        ice_fraction (1), thickness (m; 0 where an element has no ice), present; of remapped
+        elements the net displacement of their ice, drift_x and drift_y (m). Coordinates time (s),
+        id and type; the bonds intact at the first boundary as columns of their elements,
         pair(bond, end).
 
     Raises
     ------
     FloeError
-        Where there is no element, or a state has other elements than the first one.
+        Where there is no element.
     """
-    rows: dict[str, list[Array]] = {}
+    rows: list[dict[str, Array]] = []
+    held: list[Index] = []
     times: list[float] = []
+    kinds: dict[int, int] = {}
     first: xr.Dataset | None = None
     for state in states:
         if first is None:
             first = state
-        _check_same(first, state)
         times.append(float(state.attrs["time"]))
-        for name, values in _columns(state).items():
-            rows.setdefault(name, []).append(values)
+        rows.append(_columns(state))
+        held.append(state["id"].values)
+        kinds.update(zip(held[-1].tolist(), state["type"].values.tolist(), strict=True))
     if first is None or not first.sizes["element"]:
         raise FloeError("trajectory: the run has no elements, so there is nothing to follow")
-    ids = first["id"].values
+    ids = np.array(sorted(kinds), dtype=np.int64)
+    present = np.stack([np.isin(ids, some) for some in held])
+    columns: dict[str, NDArray[Any]] = {name: _laid(present, rows, name) for name in rows[0]}
+    data = {name: (("time", "element"), v) for name, v in (columns | {"present": present}).items()}
     pairs = intact(first) if "bond_id_lo" in first else np.zeros((0, 2), dtype=np.int64)
-    data = {name: (("time", "element"), np.stack(values)) for name, values in rows.items()}
     return xr.Dataset(
         data | {"pair": (("bond", "end"), np.searchsorted(ids, pairs).astype(np.int64))},
         coords={
             "time": np.asarray(times),
             "id": ("element", ids),
-            "type": ("element", first["type"].values),
+            "type": ("element", np.array([kinds[i] for i in ids.tolist()], dtype=np.int8)),
         },
     )
 
 
-def _check_same(first: xr.Dataset, state: xr.Dataset) -> None:
-    odd = np.setxor1d(first["id"].values, state["id"].values)
-    if len(odd):
-        windows = [int(each.attrs["window"]) for each in (first, state)]
-        raise FloeError(
-            f"trajectory: element {odd[0]} is in only one of the states {windows[0]:04d} and "
-            f"{windows[1]:04d}, and a trajectory needs the same elements throughout"
-        )
+def _laid(present: NDArray[np.bool_], rows: list[dict[str, Array]], name: str) -> Array:
+    """One column of all frames, (time, element); places are filled where elements are absent."""
+    out = np.zeros(present.shape)
+    for k, row in enumerate(rows):
+        out[k, present[k]] = row[name]
+    if name not in ("x", "y") or present.all():
+        return out
+    frame = np.arange(len(present))[:, None]
+    last = np.maximum.accumulate(np.where(present, frame, -1), axis=0)
+    nearest = np.where(last >= 0, last, present.argmax(axis=0))
+    return np.asarray(np.take_along_axis(out, nearest, axis=0))
 
 
 def _columns(state: xr.Dataset) -> dict[str, Array]:
@@ -119,7 +131,8 @@ def _columns(state: xr.Dataset) -> dict[str, Array]:
         load = load + SNOW_DENSITY * state["snow_volume"].values.sum(axis=1)
     thickness = np.divide(volume, fraction, out=np.zeros_like(volume), where=fraction > 0)
     made = {"mass": area * load, "ice_fraction": fraction, "thickness": thickness}
-    return {name: state[name].values for name in KEPT} | made
+    kept = [*KEPT, *(name for name in ("drift_x", "drift_y") if name in state)]
+    return {name: state[name].values for name in kept} | made
 
 
 def make_universe(frames: xr.Dataset, corner: tuple[float, float]) -> "MDAnalysis.Universe":
@@ -213,7 +226,10 @@ def _rows(frame: xr.Dataset) -> Iterable[str]:
 
 
 def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
-    """Statistics of the mobile elements' drift.
+    """Statistics of the drift of the mobile elements that are in all frames.
+
+    Remapped elements begin at their cells, so that positions tell no paths: of those there is
+    only the net displacement that their ice carries, as drift_distance.
 
     Parameters
     ----------
@@ -233,25 +249,30 @@ def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
         Where no element is mobile or the windows are not of one length.
     """
     time, x, y = (frames[name].values for name in ("time", "x", "y"))
-    mobile = np.flatnonzero(frames["type"].values == MOBILE)
-    lag, msd = mean_squared_displacement(time, x[:, mobile], y[:, mobile])
+    steady = (frames["type"].values == MOBILE) & frames["present"].values.all(axis=0)
+    mobile = np.flatnonzero(steady)
+    gone = drift_distance(x[:, mobile], y[:, mobile])
+    if "drift_x" in frames:
+        gone = np.hypot(*(frames[f"drift_{axis}"].values[:, mobile] for axis in ("x", "y")))
     data = xr.Dataset(
         {
             "id": ("element", frames["id"].values[mobile], {"units": "1"}),
             "drift_distance": (
                 ("time", "element"),
-                drift_distance(x[:, mobile], y[:, mobile]),
+                gone,
                 {"units": "m", "long_name": "distance gone since the start"},
             ),
-            "mean_squared_displacement": (
-                "lag",
-                msd,
-                {"units": "m2", "long_name": "mean over elements and times of the same lag"},
-            ),
         },
-        coords={"time": ("time", time, {"units": "s"}), "lag": ("lag", lag, {"units": "s"})},
+        coords={"time": ("time", time, {"units": "s"})},
     )
+    if "drift_x" in frames:
+        return data
+    lag, msd = mean_squared_displacement(time, x[:, mobile], y[:, mobile])
+    attrs = {"units": "m2", "long_name": "mean over elements and times of the same lag"}
+    data["mean_squared_displacement"] = ("lag", msd, attrs)
+    data = data.assign_coords(lag=("lag", lag, {"units": "s"}))
     pairs = frames["pair"].values
+    pairs = pairs[steady[pairs].all(axis=1)]
     if len(pairs):
         text = "mean squared change of the vectors between elements bonded at the start"
         attrs = {"units": "m2", "long_name": text}

@@ -2,8 +2,8 @@
 """Forcing of one window on the scene grid, from any CF file, in SI units.
 
 Bilinear in space, the file's own times cut to the window. Vectors are turned into the scene's axes
-where they stand in the file, before they are interpolated, so that nothing breaks at the pole.
-Missing values are refused; only the ocean's may be missing on land. See docs/forcing.md.
+where they stand in the file, before they are interpolated, so that nothing breaks at the pole. Only
+the ocean's values may be missing, on land. See docs/forcing.md.
 """
 
 import logging
@@ -20,8 +20,10 @@ from floeflow.config.blocks import Scene
 from floeflow.effects import forcing_variables
 from floeflow.errors import FloeError
 from floeflow.preprocess import cf, fields, interpolate, names, vectors
+from floeflow.preprocess.accumulate import Rates, rates
 from floeflow.preprocess.grids import scene_crs, scene_grid, to_lonlat
-from floeflow.preprocess.inputs import check_cover, forcing_items
+from floeflow.preprocess.inputs import SUBSTITUTES, check_axis, check_cover, forcing_items, midnight
+from floeflow.preprocess.moisture import dew_point_humidity, snow_of_precipitation
 from floeflow.preprocess.times import say, seconds_since, window_span
 from floeflow.state import write_dataset
 
@@ -45,15 +47,6 @@ UNITS = {
     "snowfall": "kg m-2 s-1",
     "ocean_heat_flux": "W m-2",
 }
-
-
-def dew_point_humidity(dew_point: Array, pressure: Array) -> Array:
-    """Specific humidity (kg/kg) from dew point (K, over water) and pressure (Pa).
-
-    Saturation over water after Buck (1981) with the constants of IFS documentation, part IV.
-    """
-    vapour = 611.21 * np.exp(17.502 * (dew_point - 273.16) / (dew_point - 32.19))
-    return np.asarray(0.621981 * vapour / (pressure - 0.378019 * vapour))
 
 
 @dataclass
@@ -103,6 +96,19 @@ class _File:
         last = int(np.searchsorted(seconds, self.span[1], side="left"))
         index = np.arange(first, last + 1)
         return seconds[index], index
+
+    def sums(self, variable: cf.Variable) -> Rates:
+        """How the records of a variable that is summed over time make rates in the window."""
+        layout = cf.layout(self.variables, variable, self.path)
+        if not layout.time:
+            raise FloeError(f"{self.path}: '{variable.name}' is a sum over no time: give its rate")
+        axis = self.variables[layout.time]
+        seconds = seconds_since(
+            self.data[layout.time].values, axis, self.scene.time.start, self.path
+        )
+        check_axis(seconds, *self.span, self.scene, self.path, layout.time)
+        how = self.scene.forcing.accumulation
+        return rates(seconds, self.span, how, midnight(self.scene), (self.path, variable.name))
 
     def values(self, variable: cf.Variable, ocean: bool, index: Index) -> Array:
         """Raw values at these times on the file's grid, nothing missing where it is needed."""
@@ -154,14 +160,20 @@ def _place(lat: float, lon: float) -> str:
 def _scalar(file: _File, name: str, variable: cf.Variable) -> tuple[Array, Array]:
     """Times and SI values (time, place) of a scalar; refuses values that cannot be."""
     quantity = names.QUANTITIES[name]
-    factor, offset = names.conversion(variable, quantity.units, quantity.si, file.path)
-    seconds, index = file.times(variable)
+    factor, offset, summed = names.scalar_conversion(variable, quantity, file.path)
     source, found = file.grid(variable)
+    if summed:
+        plan = file.sums(variable)
+        seconds, index = plan.seconds, plan.index
+    else:
+        seconds, index = file.times(variable)
     values = factor * file.values(variable, quantity.ocean, index) + offset
     at_scene = found.apply(source.padded(values))
+    if summed:
+        at_scene = plan.of(at_scene)
     low, high = float(at_scene.min()), float(at_scene.max())
-    # Packing leaves fluxes a shade below zero.
-    slack = 1e-6 * (quantity.high - quantity.low)
+    # Packing leaves fluxes a shade below zero, and more so differences of sums.
+    slack = (3e-4 if summed else 1e-6) * (quantity.high - quantity.low)
     if low < quantity.low - slack or high > quantity.high + slack:
         raise FloeError(
             f"{file.path}: '{variable.name}' reaches from {low:g} to {high:g} {quantity.si}, "
@@ -205,17 +217,6 @@ def _vector(file: _File, name: str, item: names.FoundVector) -> tuple[Array, Arr
     return seconds, *at_scene
 
 
-def _at_times(seconds: Array, values: Array, wanted: Array) -> Array:
-    """Linear in time: (file's times, place) to (wanted, place); steady values stay."""
-    if seconds.size == 0:
-        return np.broadcast_to(values, (wanted.size, values.shape[1]))
-    if seconds.size == 1:
-        return np.broadcast_to(values[:1], (wanted.size, values.shape[1]))
-    low = np.clip(np.searchsorted(seconds, wanted, side="right") - 1, 0, seconds.size - 2)
-    share = ((wanted - seconds[low]) / (seconds[low + 1] - seconds[low]))[:, None]
-    return values[low] + share * (values[low + 1] - values[low])
-
-
 def make_forcing(scene: Scene, path: str | Path, window: int) -> xr.Dataset:
     """Forcing of a window.
 
@@ -254,15 +255,21 @@ def make_forcing(scene: Scene, path: str | Path, window: int) -> xr.Dataset:
                 seconds, u, v = _vector(file, name, item)
                 series |= {f"{name}_u": (seconds, u), f"{name}_v": (seconds, v)}
             elif len(item) == 2:
-                series["dew_point"] = _scalar(file, "dew_point", item[0])
-                series["pressure"] = _scalar(file, "air_pressure", item[1])
+                for other, variable in zip(SUBSTITUTES[name], item, strict=True):
+                    series[other] = _scalar(file, other, variable)
             else:
                 series[name] = _scalar(file, name, item[0])
     own = np.unique(np.concatenate([list(span), *(seconds for seconds, _ in series.values())]))
     time = own[(own >= span[0]) & (own <= span[1])]
-    made = {name: _at_times(*item, time) for name, item in series.items()}
+    made = {name: interpolate.at_times(*item, time) for name, item in series.items()}
     if "dew_point" in made:
-        made["specific_humidity"] = dew_point_humidity(made.pop("dew_point"), made.pop("pressure"))
+        made["specific_humidity"] = dew_point_humidity(made["dew_point"], made["air_pressure"])
+    if "precipitation" in made:
+        made["snowfall"] = snow_of_precipitation(made["precipitation"], made["air_temperature"])
+    if "ocean_heat_flux" in needed and "ocean_heat_flux" not in made:
+        steady = scene.forcing.weather.ocean_heat_flux
+        log.info("the file has no ocean heat flux: %g W/m2 of forcing.weather", steady)
+        made["ocean_heat_flux"] = np.full((time.size, lon.size), steady)
     if "coriolis" in needed:
         made["coriolis"] = 2.0 * EARTH_ROTATION * np.sin(np.radians(lat))
     data_vars = {}

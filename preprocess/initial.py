@@ -7,12 +7,13 @@ import numpy as np
 import xarray as xr
 
 from floeflow import stage
-from floeflow.column.params import ColumnParams
+from floeflow.column.first import SNOW_LAYERS, first_columns
+from floeflow.column.scene import column_settings
 from floeflow.config import stage_hash
 from floeflow.config.blocks import Scene
 from floeflow.preprocess.walls import wall_variables
 from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
-from floeflow.state.schema import VARIABLES, expected_variables
+from floeflow.state.schema import SCHEME_ATTRIBUTE, VARIABLES, expected_variables
 
 # Stages on which the state at the start depends.
 STAGES = ("land", "mask", "packing", "bonds", "initial")
@@ -40,27 +41,31 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
     -------
     xarray.Dataset
         As in ``floeflow.state.schema``: no velocities, no contacts. With thermodynamics, snow of
-        the scene's thickness on the ice and the ice's surface at the ocean's freezing point.
+        the scene's thickness on the ice; the surface of zero-layer ice at the ocean's freezing
+        point, layers of the temperatures of steady conduction.
     """
-    fraction = packing["ice_fraction"].values
-    freezing = ColumnParams(ocean_salinity=scene.column.ocean_salinity).freezing_temperature
-    made = {
-        "snow_volume": scene.mask.snow_thickness * fraction,
-        "surface_temperature": np.full_like(fraction, freezing),
-    }
+    made = _columns(scene, packing) if "thermodynamics" in scene.effects else {}
+    # Outlines in the body frames; elements are not turned yet.
+    corners = np.diff(packing["cell_start"].values)
+    made |= {"cell_corners": corners}
+    for axis in ("x", "y"):
+        made[f"corner_{axis}"] = packing[f"cell_{axis}"].values - np.repeat(
+            packing[axis].values, corners
+        )
     made |= wall_variables(scene, packing) if "walls" in scene.effects else {}
     sizes = {"element": packing.sizes["element"], "category": packing.sizes["category"]}
     sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}
+    sizes |= {"ice_layer": scene.column.layers, "snow_layer": SNOW_LAYERS}
     sizes["wall_contact"] = len(made.get("wall_contact_id", ()))
     data = {}
-    for name in expected_variables(scene.effects):
+    for name in expected_variables(scene.effects, scene.column.scheme):
         rule = VARIABLES[name]
-        if name in packing:
+        if name in made:
+            values = made[name]
+        elif name in packing:
             values = packing[name].values
         elif bonds is not None and name in bonds:
             values = bonds[name].values
-        elif name in made:
-            values = made[name]
         else:
             values = np.zeros([sizes[dim] for dim in rule.dims], dtype=rule.dtype)
         data[name] = (rule.dims, values)
@@ -77,7 +82,17 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
         "unclaimed_water": float(packing.attrs["unclaimed_water"]),
         "provenance": provenance(scene),
     }
+    if "thermodynamics" in scene.effects:
+        attrs[SCHEME_ATTRIBUTE] = scene.column.scheme
     return xr.Dataset(data, attrs=attrs)
+
+
+def _columns(scene: Scene, packing: xr.Dataset) -> dict[str, np.ndarray]:
+    """Columns of the packing's ice, in the categories and layers that the scene asks for."""
+    fraction, volume = (packing[name].values.sum(axis=1) for name in ("ice_fraction", "ice_volume"))
+    snow = np.full(len(fraction), scene.mask.snow_thickness)
+    surface = scene.column.initial_surface
+    return first_columns(fraction, volume, snow, surface, column_settings(scene))
 
 
 def main(snakemake: stage.Snakemake) -> None:

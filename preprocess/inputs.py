@@ -16,9 +16,18 @@ from floeflow.config.blocks import Scene
 from floeflow.effects import forcing_variables
 from floeflow.errors import FloeError
 from floeflow.preprocess import cf, names, times
+from floeflow.preprocess.accumulate import rates
 from floeflow.preprocess.grids import scene_crs, scene_grid, to_lonlat
 
 CONCENTRATION = "sea_ice_area_fraction"
+
+# What two quantities make up for a missing one.
+SUBSTITUTES = {
+    "specific_humidity": ("dew_point", "air_pressure"),
+    "snowfall": ("precipitation", "air_temperature"),
+}
+# Records further apart than so many of their usual steps leave a gap.
+GAP = 1.5
 
 
 def find_concentration(
@@ -116,7 +125,8 @@ def forcing_items(
     -------
     dict
         ``wind`` and ``ocean`` to vectors, scalars to their variables. Specific humidity may be
-        the dew point and the pressure instead: two variables.
+        the dew point and the pressure instead, snowfall the precipitation and the air temperature:
+        two variables, see ``SUBSTITUTES``. The ocean heat flux may be missing.
 
     Raises
     ------
@@ -140,15 +150,17 @@ def forcing_items(
         scalar = names.find_scalar(variables, name, path)
         if scalar is not None:
             found[name] = (scalar,)
-        elif name == "specific_humidity":
-            pair = [names.find_scalar(variables, n, path) for n in ("dew_point", "air_pressure")]
+        elif name in SUBSTITUTES:
+            pair = [names.find_scalar(variables, other, path) for other in SUBSTITUTES[name]]
             if pair[0] is None or pair[1] is None:
+                standard = names.QUANTITIES[SUBSTITUTES[name][0]].standard[0]
+                need = SUBSTITUTES[name][1].replace("_", " ")
                 raise FloeError(
-                    f"{path}: has no specific_humidity: neither that standard_name nor "
-                    "dew_point_temperature with a pressure"
+                    f"{path}: has no {name}: neither standard_name "
+                    f"{names.QUANTITIES[name].standard[0]} nor {standard} with {need}"
                 )
             found[name] = (pair[0], pair[1])
-        else:
+        elif name != "ocean_heat_flux":
             standard = names.QUANTITIES[name].standard[0]
             raise FloeError(f"{path}: has no {name}: no standard_name {standard}")
     return found
@@ -159,12 +171,37 @@ def components(item: names.FoundVector | tuple[cf.Variable, ...]) -> tuple[cf.Va
     return (item.u, item.v) if isinstance(item, names.FoundVector) else item
 
 
+def kinds(name: str, item: names.FoundVector | tuple[cf.Variable, ...]) -> tuple[str, ...]:
+    """What the variables of an item are: quantities of ``names.QUANTITIES``, or a vector twice."""
+    if isinstance(item, names.FoundVector):
+        return name, name
+    return (name,) if len(item) == 1 else SUBSTITUTES[name]
+
+
+def midnight(scene: Scene) -> float:
+    """The midnight at or before the scene's start, in seconds since that."""
+    start = scene.time.start
+    return -(3600.0 * start.hour + 60.0 * start.minute + start.second + 1e-6 * start.microsecond)
+
+
+def check_axis(
+    seconds: np.ndarray, first: float, last: float, scene: Scene, path: str | Path, name: str
+) -> None:
+    """Refuse a time axis that does not ascend, or has a gap between first and last (s)."""
+    steps = np.diff(seconds)
+    if np.any(steps <= 0):
+        raise FloeError(f"{path}: time variable '{name}' does not ascend")
+    wide = steps > GAP * np.median(steps) if steps.size else np.zeros(0, dtype=bool)
+    for k in np.flatnonzero(wide & (seconds[:-1] < last) & (seconds[1:] > first))[:1]:
+        ends = [times.say(scene.time.start, float(item)) for item in seconds[k : k + 2]]
+        raise FloeError(f"{path}: '{name}' has a gap from {ends[0]} to {ends[1]}")
+
+
 def check_cover(
     seconds: np.ndarray, first: float, last: float, scene: Scene, path: str | Path, name: str
 ) -> None:
-    """Refuse a time axis that is not ascending or does not reach from first to last (s)."""
-    if np.any(np.diff(seconds) <= 0):
-        raise FloeError(f"{path}: time variable '{name}' does not ascend")
+    """Refuse a time axis that does not ascend, or reach from first to last (s) without gaps."""
+    check_axis(seconds, first, last, scene, path, name)
     if seconds[0] > first or seconds[-1] < last:
         span = [times.say(scene.time.start, float(item)) for item in (seconds[0], seconds[-1])]
         need = [times.say(scene.time.start, item) for item in (first, last)]
@@ -190,11 +227,14 @@ def check_forcing_file(scene: Scene) -> None:
     path = Path(scene.forcing.file)
     variables = cf.describe(path)
     for name, item in forcing_items(variables, scene.effects, path).items():
-        for variable in components(item):
+        for kind, variable in zip(kinds(name, item), components(item), strict=True):
             layout = cf.layout(variables, variable, path)
             if not layout.lonlat:
                 cf.projection(variables, variable, path)
-            if name in names.VECTORS:
+            summed = False
+            if kind in names.QUANTITIES:
+                _, _, summed = names.scalar_conversion(variable, names.QUANTITIES[kind], path)
+            else:
                 names.conversion(variable, names.VECTOR_UNITS, "m s-1", path)
             if not layout.time:
                 continue
@@ -203,4 +243,9 @@ def check_forcing_file(scene: Scene) -> None:
                     file[layout.time][:], variables[layout.time], scene.time.start, path
                 )
             end = scene.time.windows * scene.time.window
-            check_cover(seconds, 0.0, end, scene, path, layout.time)
+            if summed:
+                check_axis(seconds, 0.0, end, scene, path, layout.time)
+                how = scene.forcing.accumulation
+                rates(seconds, (0.0, end), how, midnight(scene), (path, variable.name))
+            else:
+                check_cover(seconds, 0.0, end, scene, path, layout.time)

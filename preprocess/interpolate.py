@@ -118,3 +118,14 @@ def fill_nearest(values: Array, source: Source, reach: float) -> Array:
     taken = values[..., ~missing][..., nearest]
     filled[..., missing] = np.where(distance <= reach, taken, 0.0)
     return filled
+
+
+def at_times(seconds: Array, values: Array, wanted: Array) -> Array:
+    """Linear in time: (file's times, place) to (wanted, place); steady values stay."""
+    if seconds.size == 0:
+        return np.broadcast_to(values, (wanted.size, values.shape[1]))
+    if seconds.size == 1:
+        return np.broadcast_to(values[:1], (wanted.size, values.shape[1]))
+    low = np.clip(np.searchsorted(seconds, wanted, side="right") - 1, 0, seconds.size - 2)
+    share = ((wanted - seconds[low]) / (seconds[low + 1] - seconds[low]))[:, None]
+    return values[low] + share * (values[low + 1] - values[low])

@@ -7,7 +7,7 @@ Tables of names and units, and the search through a file's variables with them.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from floeflow.errors import FloeError
@@ -32,12 +32,19 @@ _SHARE = {name: (1.0, 0.0) for name in ("1", "kg kg-1", "kg/kg", "kg kg**-1")}
 _SHARE |= {"g kg-1": (1e-3, 0.0), "g/kg": (1e-3, 0.0)}
 _RATE = {name: (1.0, 0.0) for name in ("kg m-2 s-1", "kg/m2/s", "kg m**-2 s**-1", "mm s-1")}
 _RATE |= {name: (1.0 / 86400.0, 0.0) for name in ("mm day-1", "mm/day", "kg m-2 day-1")}
+# Sums over time, and what a second's share of them is in SI.
+_ENERGY_SUM = {name: 1.0 for name in ("j m-2", "j m**-2", "j/m2", "j/m^2")}
+_WATER_SUM = {name: 1000.0 for name in ("m", "m of water equivalent")}
+_WATER_SUM |= {name: 1.0 for name in ("kg m-2", "kg m**-2", "kg/m2", "mm")}
 _PRESSURE = {"pa": (1.0, 0.0), "hpa": (100.0, 0.0), "mbar": (100.0, 0.0), "millibar": (100.0, 0.0)}
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A forcing variable: its names in files, units (factor, offset to SI) and sane range."""
+    """A forcing variable: its names in files, units (factor, offset to SI) and sane range.
+
+    ``sums`` are units of its sum over time, with the factor that brings a second's share to SI.
+    """
 
     standard: tuple[str, ...]
     common: tuple[str, ...]
@@ -46,6 +53,7 @@ class Quantity:
     low: float
     high: float
     ocean: bool = False
+    sums: dict[str, float] = field(default_factory=dict)
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -53,7 +61,7 @@ QUANTITIES: dict[str, Quantity] = {
         ("air_temperature",), ("t2m", "tas", "T2m", "2t", "air"), _KELVIN, "K", 150.0, 350.0
     ),
     "specific_humidity": Quantity(
-        ("specific_humidity",), ("huss", "q2m", "shum"), _SHARE, "kg kg-1", 0.0, 0.1
+        ("specific_humidity",), ("huss", "q2m", "shum", "q"), _SHARE, "kg kg-1", 0.0, 0.1
     ),
     "dew_point": Quantity(
         ("dew_point_temperature",), ("d2m", "tdps", "2d"), _KELVIN, "K", 100.0, 350.0
@@ -68,22 +76,39 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "shortwave_down": Quantity(
         ("surface_downwelling_shortwave_flux_in_air",),
-        ("rsds", "msdwswrf", "avg_sdswrf", "dswrf"),
+        ("rsds", "msdwswrf", "avg_sdswrf", "dswrf", "ssrd"),
         _FLUX,
         "W m-2",
         0.0,
         1500.0,
+        sums=_ENERGY_SUM,
     ),
     "longwave_down": Quantity(
         ("surface_downwelling_longwave_flux_in_air",),
-        ("rlds", "msdwlwrf", "avg_sdlwrf", "dlwrf"),
+        ("rlds", "msdwlwrf", "avg_sdlwrf", "dlwrf", "strd"),
         _FLUX,
         "W m-2",
         0.0,
         1000.0,
+        sums=_ENERGY_SUM,
     ),
     "snowfall": Quantity(
-        ("snowfall_flux",), ("prsn", "msr", "avg_tsrwe"), _RATE, "kg m-2 s-1", 0.0, 0.1
+        ("snowfall_flux", "lwe_thickness_of_snowfall_amount"),
+        ("prsn", "msr", "avg_tsrwe", "sf"),
+        _RATE,
+        "kg m-2 s-1",
+        0.0,
+        0.1,
+        sums=_WATER_SUM,
+    ),
+    "precipitation": Quantity(
+        ("precipitation_flux", "lwe_thickness_of_precipitation_amount"),
+        ("pr", "mtpr", "avg_tprate", "tp"),
+        _RATE,
+        "kg m-2 s-1",
+        0.0,
+        0.1,
+        sums=_WATER_SUM,
     ),
     "ocean_heat_flux": Quantity(
         ("upward_sea_ice_basal_heat_flux",),
@@ -206,6 +231,11 @@ def _quoted(found: list[cf.Variable]) -> str:
     return ", ".join(f"'{item.name}'" for item in found)
 
 
+def units_of(variable: cf.Variable) -> str:
+    """Units of a variable in lower case, single blanks."""
+    return " ".join(variable.text("units").split()).lower()
+
+
 def conversion(
     variable: cf.Variable, units: dict[str, tuple[float, float]], si: str, path: str | Path
 ) -> tuple[float, float]:
@@ -216,11 +246,23 @@ def conversion(
     FloeError
         Where it has no units, or units that are not known for it.
     """
-    given = " ".join(variable.text("units").split())
-    if given.lower() in units:
-        return units[given.lower()]
-    hint = ""
-    if given.lower() in ("j m-2", "j m**-2", "j/m2", "m", "m of water equivalent"):
-        hint = "; it is a sum over time: give its rate"
+    if units_of(variable) in units:
+        return units[units_of(variable)]
+    given = variable.text("units")
     said = f"has units '{given}'" if given else "has no units"
-    raise FloeError(f"{path}: variable '{variable.name}' {said}, not such as {si}{hint}")
+    raise FloeError(f"{path}: variable '{variable.name}' {said}, not such as {si}")
+
+
+def scalar_conversion(
+    variable: cf.Variable, quantity: Quantity, path: str | Path
+) -> tuple[float, float, bool]:
+    """Factor and offset that bring a scalar, or a second's share of its sum, to SI; if it is a sum.
+
+    Raises
+    ------
+    FloeError
+        As `conversion`.
+    """
+    if units_of(variable) in quantity.sums:
+        return quantity.sums[units_of(variable)], 0.0, True
+    return *conversion(variable, quantity.units, quantity.si, path), False

@@ -162,6 +162,11 @@ class Forcing(Block):
         "analytic", "Written from cyclone, gyre and weather, or read from file."
     )
     file: str = key("", "CF NetCDF file with the forcing, path from the project's folder.")
+    accumulation: Literal["", "hour", "step", "day"] = key(
+        "",
+        "Interval of sums over time: the hour up to a record (ERA5), the step between records, or "
+        "the day so far (ERA5-Land); empty: hourly records, each of its hour.",
+    )
     step: float = key(21600.0, "Time between analytic fields.", "s", gt=0)
     cyclone: Cyclone = key(Cyclone(), "Wind of the analytic forcing.")
     gyre: Gyre = key(Gyre(), "Current of the analytic forcing.")
@@ -230,6 +235,13 @@ class Dynamics(Block):
     minimum_thickness: float = key(
         1.0e-3, "Elements with less ice than this move as if they had this much.", "m", gt=0, le=0.1
     )
+    deterministic: bool = key(
+        False,
+        "The same bits on any number of MPI ranks: forces add up without round-off, at some cost.",
+    )
+    exact_losses: bool = key(
+        False, "Losses of damping to second order in the step, for energy budgets, at some cost."
+    )
     samples: int = key(24, "Samples of the time series in a window.", ge=1, le=10_000)
 
 
@@ -269,13 +281,41 @@ class Walls(Block):
 class Column(Block):
     """Thermodynamics of the elements' columns."""
 
-    scheme: Literal["zero_layer"] = key("zero_layer", "Vertical thermodynamics.")
+    scheme: Literal["zero_layer", "bl99", "mushy"] = key(
+        "zero_layer",
+        "Vertical thermodynamics: no heat stored, Bitz and Lipscomb 1999, or mush with salt.",
+    )
+    categories: int = key(1, "Thickness categories of each element.", ge=1, le=20)
+    layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
     step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)
     new_ice_thickness: float = key(
         0.1, "Thickness at which new ice gathers in open water.", "m", gt=0, le=1
     )
     ocean_salinity: float = key(
         34.0, "Salinity of the ocean (sets its freezing point).", "1e-3", ge=0, le=45
+    )
+    mixed_layer_depth: float = key(
+        20.0, "Depth of the sea that an element warms and cools.", "m", ge=1, le=500
+    )
+    initial_surface: float = key(
+        258.15, "Temperature of the ice's surface at the start (bl99, mushy).", "K", ge=200, le=273
+    )
+
+
+class Remap(Block):
+    """When distorted elements are replaced by fresh ones (effect remap)."""
+
+    every: int = key(0, "Remap at the end of every n-th window; 0: only by overlap.", ge=0)
+    overlap: float = key(
+        0.05, "Remap where elements overlap by more than this share of their area.", "1", ge=0
+    )
+
+
+class Merge(Block):
+    """When elements join their largest neighbour (effect merge)."""
+
+    radius: float = key(
+        0.5, "Elements of a radius under this share of the mean one are merged.", "1", gt=0, lt=1
     )
 
 
@@ -312,6 +352,10 @@ class Scene(Block):
             "bonds",
             "coast",
             "thermodynamics",
+            "snow",
+            "shortwave",
+            "lateral_melt",
+            "frazil",
             "grid_output",
         ),
         "Effects to simulate; what is not named is absent. Or `auto`: see docs/effects.md.",
@@ -325,6 +369,8 @@ class Scene(Block):
     dynamics: Dynamics = key(Dynamics(), "Which mechanics.")
     walls: Walls = key(Walls(), "Which walls.")
     column: Column = key(Column(), "Which thermodynamics.")
+    remap: Remap = key(Remap(), "When elements are remapped.")
+    merge: Merge = key(Merge(), "When elements are merged.")
     report: Report = key(Report(), "Which report.")
     workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")
     _auto: bool = PrivateAttr(default=False)

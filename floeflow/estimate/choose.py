@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from floeflow.effects import EFFECTS, check_effects
+from floeflow.effects import EFFECTS, check_effects, compatible
 from floeflow.errors import FloeError
 from floeflow.estimate.conditions import Conditions, conditions
 from floeflow.estimate.cost import Coefficients, coefficients, cost_share
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 # Relative influence above which an effect is needed, and below which it is waste.
 NEEDED, WASTE = 0.05, 0.01
 OUTPUT = ("grid_output", "trajectory_output")
+# Effects that make another scene of it: only who wants that scene can name them.
+SETTING = ("walls",)
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Estimate:
     cost : float
         Share of the run time.
     advice : str
-        needed, minor, waste, or output.
+        needed, minor, waste, output or setting.
     reason : str
         One sentence.
     """
@@ -74,6 +76,8 @@ def advise(name: str, found: Influence) -> tuple[str, str]:
     """Advice on an effect, and the reason in one sentence."""
     if name in OUTPUT:
         return "output", "It changes no result."
+    if name in SETTING:
+        return "setting", "It makes another scene of it."
     part, by = _largest(found)
     text = f"It moves {part} by {by}, {100 * min(found.share, 99.99):.3g} % of what happens."
     if found.share >= NEEDED:
@@ -127,13 +131,13 @@ def estimate(
 
 
 def recommended(rows: Iterable[Estimate], defaults: Iterable[str]) -> tuple[str, ...]:
-    """Effects that are needed, what they need, and the output of the default scene."""
+    """Effects that are needed, what they need, and output and setting as the defaults have them."""
     rows = list(rows)
     wanted = {row.name for row in rows if row.advice == "needed"}
-    wanted |= set(OUTPUT) & set(defaults)
+    wanted |= set(OUTPUT + SETTING) & set(defaults)
     while missing := {need for name in wanted for need in EFFECTS[name].needs} - wanted:
         wanted |= missing
-    return check_effects(sorted(wanted))
+    return check_effects(compatible(wanted))
 
 
 def choose(scene: Scene) -> tuple[str, ...]:
@@ -141,6 +145,8 @@ def choose(scene: Scene) -> tuple[str, ...]:
     c = conditions(scene)
     default = type(scene).model_fields["effects"].default
     possible = [name for name in EFFECTS if _has_forcing(scene, name)]
+    if scene.column.categories < 2:
+        possible.remove("redistribution")
     rows = estimate(c, scene, possible, coefficients())
     return recommended([row for row in rows if row.name in possible], default)
 

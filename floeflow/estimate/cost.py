@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from floeflow.constants import ICE_DENSITY
 from floeflow.effects import plugin_switches
+from floeflow.frontdoor import window_groups
 
 if TYPE_CHECKING:
     from floeflow.config import Scene
@@ -37,8 +38,8 @@ class Sizes:
         With the coast's.
     steps : float
         Steps of the element model in the whole run.
-    windows : int
-        Coupling windows.
+    windows, launches : int
+        Coupling windows, and the jobs in which they run.
     column_steps : float
         Column steps in the whole run.
     cells : float
@@ -52,6 +53,7 @@ class Sizes:
     elements: float
     steps: float
     windows: int
+    launches: int
     column_steps: float
     cells: float
     mask_cells: float
@@ -91,6 +93,7 @@ def sizes(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients
         elements=c.elements * (1.0 + coast),
         steps=steps,
         windows=scene.time.windows,
+        launches=len(window_groups(scene.time.windows, scene.workflow.windows_per_job)),
         column_steps=inner,
         cells=cells,
         mask_cells=cells * scene.mask.refine**2,
@@ -118,7 +121,8 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
     seconds["mask"] += fit["mask_per_cell"] * s.mask_cells
     seconds["packing"] += fit["packing_per_element"] * s.elements
     seconds["forcing"] += fit["forcing_per_cell"] * s.cells * s.windows
-    seconds["window"] = s.windows * (fit["window"] + fit["window_per_element"] * s.elements)
+    a_window = fit["window"] + fit["window_per_element"] * s.elements
+    seconds["window"] = s.launches * fit["launch"] + s.windows * a_window
     seconds["dynamics"] = s.steps * (fit["step"] + s.elements * a_step)
     if "bonds" in effects:
         seconds["bonds"] = fit["job"]
@@ -127,13 +131,30 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
     if "thermodynamics" in effects:
         parts = [name for name in effects if f"column_{name}" in fit]
         share = 1.0 + sum(fit[f"column_{name}"] for name in parts)
-        seconds["column"] = fit["column"] * share * s.elements * s.column_steps
+        seconds["column"] = fit["column_start"] * s.windows
+        seconds["column"] += fit["column"] * share * s.elements * s.column_steps
     if "grid_output" in effects:
         jobs_of_grid = s.windows + 1
         seconds["grid"] = jobs_of_grid * (fit["job"] + fit["grid_per_cell"] * s.cells)
     if "trajectory_output" in effects:
         seconds["trajectory"] = fit["job"] + fit["window_per_element"] * s.elements * s.windows
     return seconds
+
+
+def run_seconds(
+    c: Conditions, scene: Scene, effects: Iterable[str], ranks: int, fit: Coefficients
+) -> float:
+    """Wall seconds of a run on so many ranks, other stages one after the other.
+
+    Element model and column are shared by the ranks; each step pays for their messages.
+    """
+    effects = tuple(effects)
+    s = sizes(c, scene, effects, fit)
+    seconds = stage_seconds(s, effects, fit)
+    shared = sum(seconds.pop(part, 0.0) for part in WORK)
+    alone = s.steps * fit["step"]
+    talk = s.steps * fit["message"] * (ranks > 1)
+    return sum(seconds.values()) + alone + talk + (shared - alone) / ranks
 
 
 def cost_share(

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from floeflow.effects import EFFECTS, state_variables
+from floeflow.effects import EFFECTS, SCHEME_STATE, state_variables
 from floeflow.errors import FloeError
 
 SCHEMA_VERSION = 1
@@ -42,7 +42,8 @@ class Variable:
         thickness (ice_volume of ice_fraction) among them.
     per : str
         By which amount a value has to be multiplied to give this variable's amount; ``of``, if
-        empty. Volumes are of the ice, but are kept per effective area.
+        empty. Volumes are of the ice, but are kept per effective area: with ``area`` here a value
+        falls where an element's area grows by open water.
     """
 
     dims: tuple[str, ...]
@@ -78,6 +79,15 @@ def _column(
 ) -> Variable:
     dims = ("element", "category")
     return Variable(dims, "float64", units, text, low, high, "intensive", of, per)
+
+
+def _layers(material: str, units: str, text: str, of: str, low: float, high: float) -> Variable:
+    dims = ("element", "category", f"{material}_layer")
+    return Variable(dims, "float64", units, text, low, high, "intensive", of)
+
+
+def _corner(text: str) -> Variable:
+    return Variable(("corner",), "float64", "m", text)
 
 
 def _bond(units: str, text: str, low: float = -np.inf, high: float = np.inf) -> Variable:
@@ -125,6 +135,24 @@ VARIABLES: dict[str, Variable] = {
     "surface_temperature": _column(
         "K", "temperature of the ice's or snow's surface", of="ice_fraction", low=100, high=350
     ),
+    "ice_enthalpy": _layers(
+        "ice", "J m-3", "energy of ice layers against water at 0 degC", "ice_volume", -2e9, 2e8
+    ),
+    "ice_salinity": _layers(
+        "ice", "1e-3", "bulk salinity of ice layers, top first", "ice_volume", 0, 300
+    ),
+    "snow_enthalpy": _layers(
+        "snow", "J m-3", "energy of snow layers against water at 0 degC", "snow_volume", -2e9, 0
+    ),
+    "sea_temperature": _element("K", "temperature of the mixed layer", 255, 330, of="area"),
+    "pending_freeze": _element(
+        "J m-2", "heat that the mixed layer lacks and of which ice will be made", 0, of="area"
+    ),
+    "cell_corners": Variable(("element",), "int64", "1", "corners of the element's outline", 0),
+    "drift_x": _element("m", "net displacement of the ice since the start", of="area"),
+    "drift_y": _element("m", "net displacement of the ice since the start", of="area"),
+    "corner_x": _corner("corner of an outline, element after element, in its body frame"),
+    "corner_y": _corner("corner of an outline, element after element, in its body frame"),
     "bond_id_lo": Variable(("bond",), "int64", "1", "lower id of the bonded pair", 1),
     "bond_id_hi": Variable(("bond",), "int64", "1", "higher id of the bonded pair", 1),
     "bond_length": _bond("m", "length of the glue line", 0),
@@ -167,6 +195,9 @@ VARIABLES: dict[str, Variable] = {
     "wall_contact_ridge_length": _wall_contact("m", "contact length at the wall", 0),
 }
 
+# The column scheme of a state with thermodynamics; where it is missing, zero_layer.
+SCHEME_ATTRIBUTE = "column_scheme"
+
 # Attributes that every state carries, with their types.
 ATTRIBUTES: dict[str, type] = {
     "schema_version": int,
@@ -182,12 +213,12 @@ ATTRIBUTES: dict[str, type] = {
     "provenance": str,
 }
 
-_EFFECT_VARIABLES = set(state_variables(EFFECTS))
+_EFFECT_VARIABLES = set(state_variables(EFFECTS)) | set(SCHEME_STATE)
 
 
-def expected_variables(effects: tuple[str, ...]) -> tuple[str, ...]:
-    """Variables that the state of a scene with these effects holds, no more and no less."""
-    wanted = set(state_variables(effects))
+def expected_variables(effects: tuple[str, ...], scheme: str = "zero_layer") -> tuple[str, ...]:
+    """Variables of the state of a scene with these effects and scheme, no more and no less."""
+    wanted = set(state_variables(effects, scheme))
     return tuple(name for name in VARIABLES if name in wanted or name not in _EFFECT_VARIABLES)
 
 
@@ -215,7 +246,8 @@ def check_state(state: xr.Dataset) -> None:
         if not isinstance(state.attrs.get(name), kind):
             raise FloeError(f"attribute '{name}' is missing or no {kind.__name__}")
     effects = tuple(state.attrs["effects"].split())
-    expected = expected_variables(effects)
+    scheme = str(state.attrs.get(SCHEME_ATTRIBUTE, "zero_layer"))
+    expected = expected_variables(effects, scheme)
     for name in expected:
         if name not in state:
             raise FloeError(f"variable '{name}' is missing")
@@ -224,6 +256,8 @@ def check_state(state: xr.Dataset) -> None:
         if extra not in expected:
             raise FloeError(f"variable '{extra}' is not of this scene's effects")
     _check_order(state)
+    if "cell_corners" in state and int(state["cell_corners"].sum()) != state.sizes["corner"]:
+        raise FloeError("the elements' numbers of corners do not add up to the corners")
 
 
 def _check_variable(name: str, array: xr.DataArray) -> None:

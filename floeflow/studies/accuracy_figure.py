@@ -22,7 +22,7 @@ from floeflow.postprocess.figures.style import (
 )
 from floeflow.studies.accuracy_plan import TOGETHER
 from floeflow.studies.accuracy_table import Accuracy, Point, pareto
-from floeflow.studies.norms import NORMS
+from floeflow.studies.measures import NORMS
 
 # Colour, mark and dash differ together, so that print and colour-blind eyes tell knobs apart.
 STYLES = (

@@ -16,7 +16,7 @@ from floeflow.studies.accuracy_figure import accuracy_figure
 from floeflow.studies.accuracy_plan import TOGETHER
 from floeflow.studies.accuracy_table import Accuracy, analyse, as_dataset
 from floeflow.studies.knobs import knobs
-from floeflow.studies.norms import KEPT, NORMS
+from floeflow.studies.measures import KEPT, NORMS
 from floeflow.studies.page import Table, draw, render_study
 from floeflow.studies.recommend import Setting, most_accurate, recommend
 

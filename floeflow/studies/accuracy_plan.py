@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from floeflow.config import Scene
+from floeflow.estimate.choose import OUTPUT
 from floeflow.studies.ablation_plan import NUDGE, REPEATS
 from floeflow.studies.knobs import Changes, Knob, knobs
 from floeflow.studies.variants import BASE, Variant
@@ -18,6 +21,8 @@ KEPT = ("element_size",)
 def accuracy_variants(scene: Scene) -> list[Variant]:
     """Runs of the study."""
     drag = scene.dynamics.air_drag
+    # Output changes no result and is compared with the study's own grids.
+    physics = {"effects": [name for name in scene.effects if name not in OUTPUT]}
     runs = [Variant(BASE, label="as the scene has it")]
     for k in range(1, REPEATS + 1):
         nudged = {"dynamics.air_drag": drag * (1.0 + k * NUDGE)}
@@ -31,7 +36,7 @@ def accuracy_variants(scene: Scene) -> list[Variant]:
     for name, move in MOVES.items():
         label = f"all knobs {name}"
         runs.append(Variant(f"all-{name}", _together(scene, move), TOGETHER, label))
-    return runs
+    return [replace(run, changes={**physics, **run.changes}) for run in runs]
 
 
 def _together(scene: Scene, move: int) -> Changes:

@@ -17,7 +17,8 @@ from floeflow.state import read_dataset
 from floeflow.studies.accuracy_plan import TOGETHER
 from floeflow.studies.compare import RunEnds, read_ends, work
 from floeflow.studies.knobs import Knob, knobs
-from floeflow.studies.norms import NORMS, errors, on_grid, relative
+from floeflow.studies.measures import NORMS
+from floeflow.studies.norms import errors, on_grid, relative
 from floeflow.studies.orders import with_tail
 from floeflow.studies.variants import BASE
 

@@ -35,6 +35,8 @@ class Outcome:
         The sentence with which it failed; empty where it did not.
     cpu : dict
         CPU seconds by part: dynamics and column within the windows, other stages by name.
+    wall : dict
+        Wall seconds of the parts of the windows.
     element_steps : float
         Elements times steps of the element model.
     steps : int
@@ -48,6 +50,7 @@ class Outcome:
     name: str
     fault: str = ""
     cpu: dict[str, float] = field(default_factory=dict)
+    wall: dict[str, float] = field(default_factory=dict)
     element_steps: float = 0.0
     steps: int = 0
     time_step: float = 0.0
@@ -71,8 +74,8 @@ def targets(scene: Scene) -> list[str]:
     return wanted
 
 
-def run_scene(path: Path, scene: Scene, log: Path) -> str:
-    """Run a scene's workflow up to its targets on one core.
+def run_scene(path: Path, scene: Scene, log: Path, ranks: int = 1) -> str:
+    """Run a scene's workflow up to its targets, on one core where it has one rank.
 
     Returns
     -------
@@ -85,7 +88,7 @@ def run_scene(path: Path, scene: Scene, log: Path) -> str:
         Where it was interrupted or Snakemake itself failed: that says nothing of the scene.
     """
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
-    command += ["--cores", "1", "--rerun-incomplete", "--set-threads", "window=1"]
+    command += ["--cores", str(ranks), "--rerun-incomplete", "--set-threads", f"window={ranks}"]
     command += ["--config", f"scene={path}", "--", *targets(scene)]
     log.parent.mkdir(parents=True, exist_ok=True)
     with open(log, "w") as out:
@@ -117,8 +120,9 @@ def read_outcome(scene: Scene, fault: str, results: Path = Path("results")) -> O
 
 def _add_window(outcome: Outcome, records: list[Mapping[str, Any]]) -> None:
     for record in records:
+        name = str(record["name"])
+        outcome.wall[name] = outcome.wall.get(name, 0.0) + sum(map(float, record["seconds"]))
         if "cpu_seconds" in record:
-            name = str(record["name"])
             outcome.cpu[name] = outcome.cpu.get(name, 0.0) + float(record["cpu_seconds"])
         if record["name"] == "dynamics":
             outcome.element_steps += float(record["n"]) * int(record["steps"])

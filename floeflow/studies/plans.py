@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 from floeflow.config import Scene
 from floeflow.studies.ablation_plan import ablation_variants
@@ -18,4 +19,10 @@ STUDIES: dict[str, Callable[[Scene], list[Variant]]] = {
 
 def study_variants(study: str, scene: Scene) -> dict[str, Variant]:
     """Runs of a study by name, ``base`` first."""
-    return {variant.name: variant for variant in STUDIES[study](scene)}
+    return {variant.name: variant for variant in _variants(study, scene.model_dump_json())}
+
+
+@lru_cache(maxsize=8)
+def _variants(study: str, scene: str) -> tuple[Variant, ...]:
+    """The runs, once for a scene: rules ask for them again and again."""
+    return tuple(STUDIES[study](Scene.model_validate_json(scene)))

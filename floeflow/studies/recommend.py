@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from floeflow.studies.accuracy_table import Point
-from floeflow.studies.norms import KEPT
+from floeflow.studies.measures import KEPT
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,12 @@ def bond_map(
 
 
 def sort_bonds(first: xr.Dataset, last: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
-    """Bonds of the first state by what became of them: whole, partly cracked, broken."""
+    """Bonds of the first state by what became of them: whole, partly cracked, broken.
+
+    Where elements were remapped or merged since, those of the last state, of which none is broken.
+    """
+    if "drift_x" in last or not np.array_equal(first["id"], last["id"]):
+        first = last
     then = _pair_keys(first)
     crack = {
         key: float(a + b)

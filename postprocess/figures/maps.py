@@ -53,13 +53,17 @@ class Shapes:
 
 
 def element_shapes(state: xr.Dataset, packing: xr.Dataset) -> Shapes:
-    """Cells of the packing, moved and turned to where their elements are in a state.
+    """Cells of the elements, moved and turned to where they are in a state.
+
+    A state of remapped elements holds their cells; of others they are those of the packing.
 
     Parameters
     ----------
     state, packing : xarray.Dataset
         As their contracts say; an id that is in one of them only gets a disc, or nothing.
     """
+    if "cell_corners" in state:
+        packing = own_cells(state)
     start, known = packing["cell_start"].values, packing["id"].values
     ids, cx, cy = state["id"].values, packing["cell_x"].values, packing["cell_y"].values
     x, y, theta = state["x"].values, state["y"].values, state["theta"].values
@@ -78,6 +82,18 @@ def element_shapes(state: xr.Dataset, packing: xr.Dataset) -> Shapes:
         polygons.append(outline / 1e3)
         of_polygon.append(index)
     return Shapes(polygons, np.array(of_polygon, dtype=int), np.array(of_disc, dtype=int))
+
+
+def own_cells(state: xr.Dataset) -> xr.Dataset:
+    """Cells that a state holds, in the form in which the packing has them; about the origin."""
+    start = np.concatenate([[0], np.cumsum(state["cell_corners"].values)])
+    still = np.zeros(state.sizes["element"])
+    data = {"id": state["id"].values, "x": still, "y": still}
+    return xr.Dataset(
+        {name: ("element", values) for name, values in data.items()}
+        | {"cell_start": ("element_bound", start)}
+        | {f"cell_{axis}": ("vertex", state[f"corner_{axis}"].values) for axis in ("x", "y")}
+    )
 
 
 def element_values(state: xr.Dataset, quantity: str) -> np.ndarray:

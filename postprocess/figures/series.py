@@ -83,7 +83,7 @@ def series_figures(
         "Ice volume of all elements at the window boundaries.",
         _figure(axis, f"Ice volume ({name})", [(at, volume / scale, "", BLUE, "-o")]),
     )
-    if "thermodynamics" in effects:
+    if "snow" in effects:
         snow = data["snow_volume"].values
         scale, name = pick_unit(VOLUME_UNITS, snow)
         yield (

@@ -24,7 +24,8 @@ ICE_DENSITY, SNOW_DENSITY = 917.0, 330.0
 X0, Y0, WIDTH, SPACING, REFINE = -1.6e6, 4.0e5, 4.0e5, 5.0e4, 4
 COAST_X = X0 + 6.0e4
 WINDOW = 43200.0
-ALL = ("wind", "ocean_drag", "coriolis", "tilt", "friction", "bonds", "thermodynamics")
+ALL = ("wind", "ocean_drag", "coriolis", "tilt", "friction", "bonds")
+ALL += ("thermodynamics", "snow", "shortwave", "lateral_melt", "frazil")
 SCENE = """
 name: {name}
 effects: [{effects}]

@@ -14,7 +14,7 @@ import pytest
 
 from floeflow.config import load_scene
 from floeflow.effects import EFFECTS
-from floeflow.estimate.choose import OUTPUT, estimate, recommended
+from floeflow.estimate.choose import OUTPUT, SETTING, estimate, recommended
 from floeflow.estimate.conditions import Conditions, conditions
 from floeflow.estimate.cost import coefficients, sizes, stage_seconds
 from floeflow.estimate.drift import run_drift
@@ -139,7 +139,8 @@ def test_what_is_recommended_can_be_run(smoke: Conditions):
             assert row.name in chosen
         if row.name in chosen and row.name not in OUTPUT:
             assert row.advice == "needed" or any(row.name in EFFECTS[n].needs for n in chosen)
-    assert "trajectory_output" not in chosen
+    assert not {"trajectory_output", *SETTING} & set(chosen)
+    assert "walls" in recommended(rows, ("walls",))
 
 
 def test_cost_grows_with_elements_steps_and_effects(smoke: Conditions):
@@ -168,7 +169,9 @@ def test_auto_chooses_and_says_why(tmp_path: Path):
     # In calm air nothing but the heat is left.
     calm = text.replace("cyclone:", "gyre: {current_speed: 0}\n  cyclone:\n    wind_speed: 0")
     path.write_text(calm)
-    assert set(load_scene(path).effects) == {"thermodynamics", "grid_output"}
+    chosen = set(load_scene(path).effects)
+    assert {"thermodynamics", "grid_output"} <= chosen
+    assert all(EFFECTS[name].column for name in chosen - {"grid_output"})
 
 
 def test_the_command_prints_the_table(tmp_path: Path):

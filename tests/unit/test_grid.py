@@ -28,7 +28,7 @@ effects: [{effects}]
 domain: {{crs: "EPSG:3413", x_min: -4.0e5, x_max: 4.0e5, y_min: 2.0e5, y_max: 1.0e6,
          spacing: 1.0e5}}
 """
-ALL = "wind, ocean_drag, coriolis, friction, thermodynamics"
+ALL = "wind, ocean_drag, coriolis, friction, thermodynamics, snow"
 
 
 @pytest.fixture

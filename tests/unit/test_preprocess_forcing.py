@@ -15,7 +15,7 @@ import xarray as xr
 from floeflow.config.blocks import Scene
 from floeflow.effects import EFFECTS, forcing_variables
 from floeflow.errors import FloeError
-from floeflow.preprocess import analytic, forcing, grids
+from floeflow.preprocess import analytic, forcing, grids, moisture
 
 POLE = {"x_min": -5e5, "x_max": 5e5, "y_min": -5e5, "y_max": 5e5, "spacing": 1e5}
 AWAY = {"x_min": -2e6, "x_max": -1e6, "y_min": 4e5, "y_max": 1.2e6, "spacing": 1e5}
@@ -67,7 +67,7 @@ def test_a_straight_wind_over_the_pole_stays_straight(tmp_path: Path) -> None:
 
 
 def test_bilinear_interpolation_of_a_known_field(tmp_path: Path) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
+    scene = scene_of(AWAY, effects=("thermodynamics", "snow", "shortwave"))
     lon, lat = places(scene)
     data = analytic.make_analytic(scene, 1)
     mesh_lon, mesh_lat = np.meshgrid(data["lon"], data["lat"])
@@ -155,7 +155,7 @@ def test_calendars(tmp_path: Path, calendar: str) -> None:
 def test_units_become_si(
     tmp_path: Path, name: str, standard: str, units: str, value: float, expected: float
 ) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
+    scene = scene_of(AWAY, effects=("thermodynamics", "snow", "shortwave"))
     data = analytic.make_analytic(scene, 1)
     old = next(n for n in data if data[n].attrs["standard_name"].startswith(standard[:8]))
     if name == "air_pressure":
@@ -179,7 +179,7 @@ def test_knots(tmp_path: Path) -> None:
 
 
 def test_humidity_from_dew_point(tmp_path: Path) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
+    scene = scene_of(AWAY, effects=("thermodynamics", "snow", "shortwave"))
     data = analytic.make_analytic(scene, 1).drop_vars("huss")
     shape = (data.sizes["time"], data.sizes["lat"], data.sizes["lon"])
     data["d2m"] = (("time", "lat", "lon"), np.full(shape, 250.0), {"units": "K"})
@@ -234,17 +234,106 @@ def test_bad_values_are_refused(
     assert str(caught.value).startswith(str(tmp_path / "w.nc"))
 
 
-def test_accumulated_radiation_is_refused(tmp_path: Path) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
-    data = analytic.make_analytic(scene, 1)
-    data["rsds"].attrs["units"] = "J m**-2"
-    data.to_netcdf(tmp_path / "f.nc")
-    with pytest.raises(FloeError, match="'rsds' has units .* it is a sum over time: give its rate"):
-        forcing.make_forcing(scene, tmp_path / "f.nc", 1)
+COLUMN = ("thermodynamics", "snow", "shortwave")
+
+
+def era5_like(hours: np.ndarray, sums: dict[str, np.ndarray]) -> xr.Dataset:
+    """A file with the names and units of ERA5; sums (J/m2 or m) of (hours,), the same all over."""
+    lat, lon = np.arange(90.0, 59.0, -2.0), np.arange(0.0, 360.0, 2.0)
+    shape = (hours.size, lat.size, lon.size)
+    steady = {
+        "u10": (3.0, "m s**-1"),
+        "v10": (4.0, "m s**-1"),
+        "t2m": (250.0, "K"),
+        "d2m": (248.0, "K"),
+        "msl": (101000.0, "Pa"),
+    }
+    data = {n: (np.full(shape, value), units) for n, (value, units) in steady.items()}
+    units = {"ssrd": "J m**-2", "strd": "J m**-2", "sf": "m of water equivalent", "tp": "m"}
+    data |= {n: (np.broadcast_to(v[:, None, None], shape), units[n]) for n, v in sums.items()}
+    coords = {
+        "valid_time": ("valid_time", hours, {"units": "hours since 1981-12-31"}),
+        "latitude": ("latitude", lat, {"units": "degrees_north"}),
+        "longitude": ("longitude", lon, {"units": "degrees_east"}),
+    }
+    dims = ("valid_time", "latitude", "longitude")
+    return xr.Dataset({n: (dims, v, {"units": u}) for n, (v, u) in data.items()}, coords)
+
+
+def test_hourly_sums_become_rates_of_their_hours(tmp_path: Path) -> None:
+    hours = np.arange(0.0, 26.0)
+    # Each hour's mean is 10 W/m2 more than that of the hour before; snow of 1 mm an hour.
+    sun = 3600.0 * 10.0 * hours
+    sums = {"ssrd": sun, "strd": np.full(26, 7.2e5), "sf": np.full(26, 1e-3)}
+    era5_like(hours, sums).to_netcdf(tmp_path / "era5.nc")
+    scene = scene_of(AWAY, effects=COLUMN, time={"windows": 1, "window": 86400.0})
+    made = forcing.make_forcing(scene, tmp_path / "era5.nc", 1)
+    np.testing.assert_allclose(made["longwave_down"], 200.0, rtol=1e-12)
+    np.testing.assert_allclose(made["snowfall"], 1.0 / 3600.0, rtol=1e-12)
+    light = made["shortwave_down"].isel(x=0, y=0)
+    # The hour that ends at 6:00 has its mean at 5:30; linear in between.
+    half = light.sel(time=5.5 * 3600.0).item()
+    assert half == pytest.approx(60.0, rel=1e-12)
+    assert np.trapezoid(light, made["time"]) == pytest.approx(
+        3600.0 * 10.0 * 24 * 25 / 2, rel=1e-12
+    )
+    # No ocean in ERA5: the scene's constant.
+    np.testing.assert_array_equal(made["ocean_heat_flux"], scene.forcing.weather.ocean_heat_flux)
+
+
+@pytest.mark.parametrize("how", ["hour", "step", "day"])
+def test_sums_of_any_interval_become_the_same_rates(tmp_path: Path, how: str) -> None:
+    hours = np.arange(-24.0, 49.0, 3.0)
+    rate = 150.0
+    length = {
+        "hour": np.ones(hours.size),
+        "step": np.full(hours.size, 3.0),
+        "day": np.where(hours % 24 == 0, 24.0, hours % 24),
+    }[how]
+    sums = {name: 3600.0 * length * rate for name in ("ssrd", "strd")}
+    sums["tp"] = 3600.0 * length * 1e-7
+    era5_like(hours, sums).to_netcdf(tmp_path / "era5.nc")
+    changes = {"forcing": {"source": "file", "file": "x", "accumulation": how}}
+    scene = scene_of(AWAY, effects=COLUMN, time={"windows": 2, "window": 86400.0}, **changes)
+    for window in (1, 2):
+        made = forcing.make_forcing(scene, tmp_path / "era5.nc", window)
+        for name in ("shortwave_down", "longwave_down"):
+            np.testing.assert_allclose(made[name], rate, rtol=1e-12)
+        # Precipitation in air of 250 K is snow.
+        np.testing.assert_allclose(made["snowfall"], 1e-4, rtol=1e-12)
+
+
+def test_sums_that_could_be_anything_are_refused(tmp_path: Path) -> None:
+    hours = np.arange(0.0, 49.0, 3.0)
+    sums = {name: np.full(hours.size, 7e5) for name in ("ssrd", "strd", "sf")}
+    era5_like(hours, sums).to_netcdf(tmp_path / "era5.nc")
+    scene = scene_of(AWAY, effects=COLUMN)
+    with pytest.raises(FloeError, match="'strd' is a sum .* not hourly: say in forcing.accumul"):
+        forcing.make_forcing(scene, tmp_path / "era5.nc", 1)
+    # Sums since midnight taken for those of an hour are more than any sky can give.
+    hours = np.arange(0.0, 26.0)
+    sums = {name: 7e5 * hours for name in ("ssrd", "strd", "sf")}
+    era5_like(hours, sums).to_netcdf(tmp_path / "land.nc")
+    with pytest.raises(FloeError, match="'strd' reaches from .* outside 0 to 1000"):
+        forcing.make_forcing(scene, tmp_path / "land.nc", 1)
+
+
+def test_a_gap_in_time_is_named(tmp_path: Path) -> None:
+    hours = np.delete(np.arange(0.0, 26.0), [7, 8])
+    sums = {name: np.full(hours.size, 7e5) for name in ("ssrd", "strd", "sf")}
+    era5_like(hours, sums).to_netcdf(tmp_path / "era5.nc")
+    scene = scene_of(AWAY, effects=COLUMN)
+    with pytest.raises(FloeError, match="has a gap from 1981-12-31 06:00:00 to 1981-12-31 09:00"):
+        forcing.make_forcing(scene, tmp_path / "era5.nc", 1)
+
+
+def test_rain_is_no_snow() -> None:
+    air = np.array([250.0, 273.14, 273.16, 280.0])
+    np.testing.assert_array_equal(moisture.snow_of_precipitation(np.ones(4), air), [1, 1, 0, 0])
 
 
 def test_impossible_temperature_is_refused(tmp_path: Path) -> None:
-    scene = scene_of(AWAY, effects=("thermodynamics",))
+    scene = scene_of(AWAY, effects=("thermodynamics", "snow", "shortwave"))
     data = analytic.make_analytic(scene, 1)
     data["t2m"].values[:] = -20.0
     data.to_netcdf(tmp_path / "f.nc")

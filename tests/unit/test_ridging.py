@@ -18,7 +18,7 @@ from floeflow.dynamics.ridging import close_areas
 from floeflow.errors import FloeError
 from floeflow.state.schema import check_state, expected_variables
 
-EFFECTS = ("friction", "bonds", "ridging", "thermodynamics")
+EFFECTS = ("friction", "bonds", "ridging", "thermodynamics", "snow")
 
 
 def ridged_state(log: Path) -> tuple[xr.Dataset, np.ndarray, EngineParams]:

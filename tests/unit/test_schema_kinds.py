@@ -6,7 +6,7 @@ from __future__ import annotations
 from floeflow.state.schema import MASS, VARIABLES
 
 # Labels and places of elements: a transfer makes them anew.
-MADE = {"id", "type", "x", "y", "theta", "radius"}
+MADE = {"id", "type", "x", "y", "theta", "radius", "cell_corners"}
 
 
 def test_every_element_variable_is_an_amount_or_a_property_of_one() -> None:

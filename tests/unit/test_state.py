@@ -19,7 +19,7 @@ from floeflow.state.files import checksum
 from floeflow.state.schema import check_state, expected_variables
 
 
-def a_state(effects: tuple[str, ...] = ("wind", "bonds", "thermodynamics"), n: int = 4):
+def a_state(effects: tuple[str, ...] = ("wind", "bonds", "thermodynamics", "snow"), n: int = 4):
     """Build a valid state of n elements in a row, each bonded to the next."""
     rng = np.random.default_rng(5)
     sizes = {"element": n, "category": 1, "bond": n - 1, "contact": 1}

@@ -25,8 +25,8 @@ from floeflow.studies.accuracy_figure import accuracy_figure
 from floeflow.studies.accuracy_page import order_table, recommendation_table, run_table
 from floeflow.studies.accuracy_table import Accuracy, Convergence, Point, as_dataset, pareto
 from floeflow.studies.knobs import knobs
+from floeflow.studies.measures import NORMS
 from floeflow.studies.nested import read_outcome
-from floeflow.studies.norms import NORMS
 from floeflow.studies.orders import observed_order, with_tail
 from floeflow.studies.page import as_markdown, render_study
 from floeflow.studies.plans import STUDIES, study_variants
@@ -40,7 +40,7 @@ EXAMPLES = ("free_drift_day", "winter_pack", "summer_melt_month", "marginal_ice_
 
 
 @pytest.fixture(autouse=True)
-def _in_project(monkeypatch: pytest.MonkeyPatch):
+def _in_project(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
 
 

@@ -135,12 +135,35 @@ def test_without_bonds_there_is_no_dispersion_of_pairs(tmp_path):
     assert "relative_dispersion" not in drift_statistics(frames)
 
 
-def test_an_element_that_comes_or_goes_is_refused(states):
-    fewer = states[2].isel(element=slice(1, None))
-    with pytest.raises(FloeError, match="element 1 is in only one of the states 0000 and 0002"):
-        make_frames([*states[:2], fewer])
-    with pytest.raises(FloeError, match="element 1 is in only one"):
-        make_frames([fewer, states[3]])
+def test_elements_that_come_or_go_are_in_all_frames(run, states, tmp_path):
+    # The first is there from the second frame on, the second until then.
+    late = states[0].isel(element=slice(1, None), bond=slice(2, None))
+    gone = [state.isel(element=np.arange(state.sizes["element"]) != 1) for state in states[2:]]
+    frames = make_frames([late, states[1], *gone])
+    np.testing.assert_array_equal(frames["id"].values, states[0]["id"].values)
+    assert frames["present"].values[:, 0].tolist() == [False, *[True] * (len(states) - 1)]
+    for name in ("x", "y"):
+        assert frames[name].values[0, 0] == states[1][name].values[0]
+        assert (frames[name].values[1:, 1] == states[1][name].values[1]).all()
+    for name in ("radius", "area", "mass"):
+        assert frames[name].values[0, 0] == 0 == frames[name].values[-1, 1]
+    # So MDAnalysis reads the dump, and statistics are of those that are always there.
+    write_dump(frames, run.scene.domain, tmp_path / "some.lammpsdump")
+    there = MDAnalysis.Universe(str(tmp_path / "some.lammpsdump"), dt=1.0)
+    assert there.trajectory.n_frames == len(states) and len(there.atoms) == len(frames["id"])
+    assert not np.isin([1, 2], drift_statistics(frames)["id"].values).any()
+
+
+def test_remapped_ice_carries_its_displacement(states):
+    ways = {"x": 3.0, "y": 4.0}
+    size = states[0].sizes["element"]
+    carried = [
+        state.assign({f"drift_{a}": ("element", np.full(size, c * k)) for a, c in ways.items()})
+        for k, state in enumerate(states)
+    ]
+    data = drift_statistics(make_frames(carried))
+    np.testing.assert_allclose(data["drift_distance"].values[-1], 5.0 * (len(states) - 1))
+    assert "mean_squared_displacement" not in data
 
 
 def test_a_run_without_elements_is_refused(tmp_path):

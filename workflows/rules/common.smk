@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What all rules share: the run, its groups of windows, and the inputs that depend on them."""
 
+import sys
+from pathlib import Path
+
 from floeflow.config import stage_hash
 from floeflow.frontdoor import PLUGIN, open_scene
 from floeflow.studies.plans import STUDIES, study_variants
@@ -8,6 +11,10 @@ from floeflow.studies.plans import STUDIES, study_variants
 RUN = open_scene(config, workflow)
 EFFECTS = RUN.scene.effects
 GRIDDED = "grid_output" in EFFECTS
+HARD_CASES_FOLDER = Path(workflow.basedir) / "tests/stability"
+HARD_CASES = sorted(
+    path.stem.removeprefix("test_") for path in HARD_CASES_FOLDER.glob("test_*.py")
+)
 
 
 def keys_of(*stages):
@@ -56,6 +63,13 @@ def bonds_input(wildcards):
     )
 
 
+def cells_input(wildcards):
+    """Fresh cells, where the scene remaps."""
+    return (
+        f"results/{wildcards.scene}/preprocess/cells.nc" if "remap" in EFFECTS else []
+    )
+
+
 def wall_mesh(wildcards):
     """Mesh of a wall, where the scene has one."""
     wanted = "walls" in EFFECTS and RUN.scene.walls.mesh
@@ -82,6 +96,8 @@ def stage_benchmarks(wildcards):
         stages.insert(0, "land")
     if bonds_input(wildcards):
         stages.insert(-2, "bonds")
+    if cells_input(wildcards):
+        stages.insert(-2, "cells")
     windows = [f"window/{window}" for window in RUN.ends]
     grids = [f"grid/{window}" for window in ["0000", *RUN.ends] if GRIDDED]
     forcing = [f"forcing/{window}" for window in RUN.windows]

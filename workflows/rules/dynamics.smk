@@ -7,6 +7,7 @@ rule window:
         state=previous_state,
         forcing=group_forcing,
         plugin=str(PLUGIN),
+        cells=cells_input,
     output:
         state="results/{scene}/state/{window}.nc",
         series="results/{scene}/series/{window}.nc",
@@ -22,7 +23,7 @@ rule window:
         mem_mb=4000,
         runtime=240,
     params:
-        scene_keys=keys_of("dynamics", "column"),
+        scene_keys=keys_of("dynamics", "column", "cure"),
         windows=group_windows,
     message:
         "Windows {params.windows}: dynamics and column on {threads} ranks"

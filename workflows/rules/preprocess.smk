@@ -81,6 +81,27 @@ rule packing:
         "../../preprocess/packing.py"
 
 
+rule cells:
+    input:
+        mask="results/{scene}/preprocess/mask.nc",
+        packing="results/{scene}/preprocess/packing.nc",
+    output:
+        cells="results/{scene}/preprocess/cells.nc",
+    log:
+        "results/{scene}/log/cells.log",
+    benchmark:
+        "results/{scene}/benchmarks/cells.tsv"
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    params:
+        scene_keys=keys_of("cells"),
+    message:
+        "Cells: the sea around the ice, for remapping"
+    script:
+        "../../preprocess/cells.py"
+
+
 rule bonds:
     input:
         packing="results/{scene}/preprocess/packing.nc",

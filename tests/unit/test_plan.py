@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Plans: proposals keep their promise, models are recovered by the fit, the command speaks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from floeflow.config import Scene, load_scene
+from floeflow.config.load import build_scene, read_keys
+from floeflow.errors import FloeError
+from floeflow.estimate.conditions import Conditions, conditions
+from floeflow.estimate.cost import WORK, coefficients, run_seconds, sizes, stage_seconds
+from floeflow.plan.__main__ import as_time, main
+from floeflow.plan.precision import error_model, knob_errors, resolutions, total_error
+from floeflow.plan.propose import adjusted, for_budget, for_error, parse_budget, proposals
+from floeflow.plan.refit import Run, fit_costs, read_runs
+from floeflow.studies.variants import changed
+
+ROOT = Path(__file__).parents[2]
+SMOKE = ROOT / "config/scenes/smoke.yaml"
+MODEL = {
+    "step_share": {"drift": (0.05, 1.0)},
+    "softness": {"drift": (1.0, 0.5)},
+    "element_size": {"drift": (0.3, 1.0), "volume": (0.01, 1.0)},
+    "column_step": {"volume": (0.2, 1.0)},
+}
+
+
+@pytest.fixture(autouse=True)
+def _in_project(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return load_scene(SMOKE)
+
+
+@pytest.fixture(scope="module")
+def c(scene: Scene) -> Conditions:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(ROOT)
+        return conditions(scene)
+
+
+def test_budgets_are_times():
+    assert parse_budget("2h") == 7200.0 and parse_budget("1.5 m") == 90.0
+    for wrong in ("2", "h", "-1h", "0s", "2 weeks"):
+        with pytest.raises(FloeError, match="give a time such as"):
+            parse_budget(wrong)
+
+
+def test_finer_settings_have_smaller_errors(scene: Scene, c: Conditions):
+    for knob in resolutions(scene, c):
+        assert resolutions(scene, c)[knob] > 0
+    fine = scene.model_copy(
+        update={"dynamics": scene.dynamics.model_copy(update={"step_share": 0.1})}
+    )
+    one, two = (knob_errors(s, c, MODEL)["step_share"]["drift"] for s in (scene, fine))
+    assert two == pytest.approx(one / 4)
+    assert total_error({"a": {"drift": 0.3}, "b": {"drift": 0.4}}) == pytest.approx(0.5)
+    assert total_error({"a": {"drift": 0.3}, "b": {"drift": 0.4}}, but=("b",)) == 0.3
+
+
+def test_a_proposal_is_a_valid_scene_that_keeps_its_promise(scene: Scene, c: Conditions):
+    fit = coefficients()
+    found = proposals(scene, c, 1, fit, MODEL)
+    assert not found[0].changes
+    errors = sorted(p.error for p in found)
+    target = errors[len(errors) // 3]
+    best = for_error(found, target)
+    assert best is not None and best.error <= target
+    assert not [p for p in found if p.error <= target and p.seconds < best.seconds]
+    keys = changed(read_keys(SMOKE), {"name": "planned", **best.changes})
+    planned = build_scene(keys)
+    assert run_seconds(conditions(planned), planned, planned.effects, 1, fit) == pytest.approx(
+        best.seconds, rel=0.01
+    )
+    budget = found[0].seconds
+    rich = for_budget(found, budget)
+    assert rich is not None and rich.seconds <= budget and rich.error <= found[0].error
+    assert for_error(found, 0.0) is None and for_budget(found, 0.0) is None
+
+
+def test_ranks_share_the_work_and_pay_for_messages(scene: Scene, c: Conditions):
+    fit = {**coefficients(), "message": 1e-6}
+    one, many = (run_seconds(c, scene, scene.effects, n, fit) for n in (1, 4))
+    seconds = stage_seconds(sizes(c, scene, scene.effects, fit), scene.effects, fit)
+    assert one == pytest.approx(sum(seconds.values()))
+    assert one - sum(seconds[part] for part in WORK) < many < one
+
+
+def made_record(scene: Scene, c: Conditions, fit: dict[str, float]) -> dict:
+    """What a run would have left if the cost model were the truth."""
+    s = sizes(c, scene, scene.effects, fit)
+    seconds = stage_seconds(s, scene.effects, fit)
+    step = scene.time.windows * scene.time.window / s.steps
+    cpu = {name: seconds[name] for name in ("dynamics", "column", "window") if name in seconds}
+    cpu |= {"initial": fit["job"], "land": fit["land"]}
+    return {
+        "cpu": cpu,
+        "steps": s.steps,
+        "element_steps": s.steps * s.elements,
+        "elements": s.elements,
+        "time_step": step,
+        "fault": "",
+    }
+
+
+def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions):
+    truth = {**coefficients(), "job": 0.7, "step": 2e-5, "dynamics": 4e-8, "dynamics_bonds": 5e-8}
+    truth |= {"dynamics_wind": 1e-8, "dynamics_friction": 2e-8, "column": 3e-6, "land": 2.0}
+    truth |= {"launch": 1.0, "window": 0.2, "window_per_element": 3e-5, "column_start": 0.01}
+    runs = []
+    for elements in (100, 400, 1600):
+        for effects in (
+            ("wind", "ocean_drag", "thermodynamics"),
+            ("ocean_drag", "thermodynamics"),
+            ("wind", "friction", "thermodynamics"),
+            ("wind", "ocean_drag", "friction", "bonds", "thermodynamics"),
+            ("wind", "friction", "bonds"),
+            ("wind",),
+        ):
+            for windows in (1, 4):
+                keys = {"packing.elements": elements, "effects": list(effects)}
+                keys |= {"time.windows": windows, "workflow.windows_per_job": windows}
+                other = build_scene(changed(scene.model_dump(mode="json"), keys))
+                own = adjusted(c, other)
+                runs.append(Run(other, own, made_record(other, own, truth)))
+    found = fit_costs(runs, coefficients())
+    for name in ("job", "step", "dynamics", "dynamics_bonds", "dynamics_friction", "column"):
+        assert found[name] == pytest.approx(truth[name], rel=0.02), name
+    assert found["launch"] == pytest.approx(1.0, rel=0.05)
+    # Samples cut the step a little.
+    assert found["step_bonds"] == pytest.approx(truth["step_bonds"], rel=0.05)
+
+
+def test_a_folder_without_a_study_is_refused(tmp_path: Path):
+    with pytest.raises(FloeError, match="there is no study here"):
+        read_runs([tmp_path])
+
+
+def test_the_command_proposes_and_refuses(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    def plan(*more: str) -> int:
+        monkeypatch.setattr("sys.argv", ["plan", *more])
+        return main()
+
+    monkeypatch.setattr("logging.disable", lambda _: None)
+    assert plan(str(SMOKE), "--budget", "1h", "--ranks", "2") == 0
+    said = capsys.readouterr().out
+    assert "on 2 ranks, as it stands: about" in said and "Error by knob" in said
+    assert plan(str(SMOKE), "--error", "1e-9") == 0
+    assert "No setting reaches an error of 1e-09" in capsys.readouterr().out
+    assert plan(str(SMOKE), "--budget", "soon") == 1
+    assert "--budget soon" in capsys.readouterr().err
+    assert plan("--refit", "--results", str(tmp_path)) == 1
+    assert "there is no study to fit to" in capsys.readouterr().err
+    assert error_model()
+
+
+def test_times_are_said_in_their_best_unit():
+    assert [as_time(s) for s in (5.0, 600.0, 7200.0, 3e5)] == ["5 s", "10 min", "2 h", "3.5 d"]

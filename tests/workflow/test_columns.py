@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Scenes whose ice has layers and thickness categories, through the real pipeline."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from runner import Place
+
+from floeflow.state import read_dataset, read_state
+
+pytestmark = pytest.mark.workflow
+
+EFFECTS = ["wind", "ocean_drag", "friction", "thermodynamics", "snow", "shortwave"]
+EFFECTS += ["lateral_melt", "frazil", "mixed_layer"]
+SHORT = {"packing": {"elements": 60}, "time": {"windows": 1, "window": 21600.0}}
+SMALL = {"packing": {"elements": 60}, "time": {"windows": 2, "window": 21600.0}}
+
+
+def budgets(place: Place) -> dict[str, dict]:
+    """Budgets of the run by name."""
+    numbers = json.loads((place.results() / "diagnostics.json").read_text())
+    return {budget["name"]: budget for budget in numbers["budgets"]}
+
+
+def test_bl99_in_five_categories(place: Place):
+    column = {"scheme": "bl99", "categories": 5, "layers": 4}
+    scene = place.scene(**SMALL, column=column, effects=EFFECTS)
+    done = place.run(scene)
+    assert done.returncode == 0, done.stdout
+    first, last = (read_state(place.results() / f"state/{w:04d}.nc") for w in (0, 2))
+    assert last["ice_enthalpy"].shape[1:] == (5, 4) and "ice_salinity" not in last
+    mobile = last["type"].values == 1
+    assert (last["ice_enthalpy"].values != first["ice_enthalpy"].values)[mobile].any()
+    # Leads have frozen: thin ice beside the thick.
+    assert (last["ice_fraction"].values[mobile, 0] > 0).any()
+    found = budgets(place)
+    for name in ("ice_volume", "snow_volume", "column_energy", "column_water"):
+        assert found[name]["verdict"] == "closed", found[name]
+    assert "column_salt" not in found
+    # As one job the windows give the same bits, whatever the layers hold.
+    alone = last.attrs["checksum"]
+    grouped = place.scene(
+        **SMALL, column=column, effects=EFFECTS, name="grouped", workflow={"windows_per_job": 2}
+    )
+    done = place.run(grouped, "results/grouped/state/0002.nc")
+    assert done.returncode == 0, done.stdout
+    again = read_state(place.results("grouped") / "state/0002.nc")
+    for name in last.variables:
+        np.testing.assert_array_equal(again[name], last[name], err_msg=str(name))
+    assert again.attrs["checksum"] != alone  # the scene's name is part of it
+
+
+def test_mushy_ice_keeps_its_salt(place: Place):
+    scene = place.scene(**SHORT, column={"scheme": "mushy"}, effects=EFFECTS)
+    done = place.run(scene)
+    assert done.returncode == 0, done.stdout
+    state = read_state(place.results() / "state/0001.nc")
+    assert state["ice_salinity"].shape[1:] == (1, 7)
+    found = budgets(place)
+    for name in ("ice_volume", "column_energy", "column_water", "column_salt"):
+        assert found[name]["verdict"] == "closed", found[name]
+    assert "Salt in the ice" in (place.results() / "report.html").read_text()
+
+
+def test_ice_alone_has_no_snow_no_sun_and_no_sea(place: Place):
+    bare = ["wind", "thermodynamics"]
+    scene = place.scene(**SHORT, column={"scheme": "bl99"}, effects=bare)
+    done = place.run(scene)
+    assert done.returncode == 0, done.stdout
+    state = read_state(place.results() / "state/0001.nc")
+    for name in ("snow_volume", "snow_enthalpy", "sea_temperature", "pending_freeze"):
+        assert name not in state
+    forcing = read_dataset(place.results() / "forcing/0001.nc")
+    assert "snowfall" not in forcing and "shortwave_down" not in forcing
+    series = read_dataset(place.results() / "series/0001.nc")
+    for word in ("snow", "new_ice", "lateral"):
+        assert not [name for name in series if word in str(name)], word
+    assert "Snow volume" not in (place.results() / "report.html").read_text()

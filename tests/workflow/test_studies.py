@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Studies through the real workflow: they run, keep failures, resume, and end in a page."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from runner import Done, make_place
+
+from floeflow.state import read_dataset
+from floeflow.studies.measures import KEPT
+
+pytestmark = pytest.mark.workflow
+
+TINY = {
+    "effects": ["wind", "ocean_drag"],
+    "packing": {"elements": 30},
+    "time": {"windows": 1},
+    "mask": {"land": "mask"},
+}
+
+
+def run_study(folder: Path, study: str, **changes: object) -> Done:
+    place = make_place(folder / "place")
+    scene = place.scene(**{**TINY, **changes})
+    done = place.run(scene, "--keep-going", study)
+    assert done.returncode == 0, done.stdout
+    return Done(place, scene, done.stdout)
+
+
+@pytest.fixture(scope="module")
+def ablation(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    return run_study(tmp_path_factory.mktemp("ablation"), "ablation")
+
+
+def record(done: Done, study: str, name: str) -> dict:
+    found: dict = json.loads((done.results / study / f"{name}.json").read_text())
+    return found
+
+
+def test_leave_one_out_tells_what_moves_the_ice(ablation: Done):
+    table = json.loads((ablation.results / "ablation/ablation.table.json").read_text())
+    rows = {row["name"]: row for row in table["rows"]}
+    assert set(rows) == {"wind", "ocean_drag"}
+    # Without wind nothing moves but the current; without drag nothing stops.
+    assert rows["wind"]["share"] > 0.5
+    assert rows["ocean_drag"]["share"] is None or rows["ocean_drag"]["share"] > 0.5
+    assert table["floor"] < 1e-3
+    page = (ablation.results / "ablation.html").read_text()
+    assert '<figure id="ablation">' in page and "ocean_drag" in page
+
+
+def test_variants_are_scenes_that_share_their_preprocessing(ablation: Done):
+    base = ablation.place.results("smoke--ablation-base")
+    other = ablation.place.results("smoke--ablation-no_wind")
+    for name in ("mask", "packing"):
+        paths = [folder / f"preprocess/{name}.nc" for folder in (base, other)]
+        assert paths[0].samefile(paths[1])
+    assert record(ablation, "ablation", "no_wind")["effects"] == ["ocean_drag"]
+    assert record(ablation, "ablation", "base")["results"]["differences"]["drift"] == 0.0
+
+
+def test_an_interrupted_study_goes_on(ablation: Done):
+    """A lost record is made anew from its finished run, and nothing else runs."""
+    (ablation.results / "ablation/no_wind.json").unlink()
+    (ablation.results / "ablation.html").unlink()
+    state = ablation.place.results("smoke--ablation-no_wind") / "state/0001.nc"
+    before = state.stat().st_mtime_ns
+    done = ablation.place.run(ablation.scene, "ablation")
+    assert done.returncode == 0, done.stdout
+    ran = re.findall(r"Study ablation: (\S+)", done.stdout)
+    assert ran == ["no_wind"]
+    assert state.stat().st_mtime_ns == before
+
+
+@pytest.mark.slow
+def test_accuracy_ends_in_orders_and_a_recommendation(tmp_path: Path):
+    done = run_study(tmp_path, "accuracy")
+    data = read_dataset(done.results / "accuracy/accuracy.nc")
+    knobs = {str(name) for name in data["knob"].values}
+    assert {"step_share", "softness", "element_size", "together"} <= knobs
+    norms = [str(name) for name in data["norm"].values]
+    stable = data["stable"].values == 1
+    for knob in ("step_share", "element_size"):
+        rows = stable & (data["knob"].values == knob)
+        order = data["level"].values[rows].argsort()
+        work = data["element_steps"].values[rows][order]
+        assert (work[:-1] > work[1:]).all(), knob
+        for norm in KEPT:
+            assert (data["error"].values[rows, norms.index(norm)] >= 0).all()
+    page = (done.results / "accuracy.html").read_text()
+    assert "Cheapest setting for an error" in page and '<figure id="accuracy_drift">' in page
+    assert (done.results / "accuracy/figures/accuracy_drift.png").is_file()
