@@ -53,6 +53,8 @@ def start(thickness: np.ndarray) -> xr.Dataset:
     column = {"ice_fraction": np.ones((n, 1)), "ice_volume": thickness[:, None]}
     data = {name: ("element", values) for name, values in element.items()}
     data |= {name: (("element", "category"), values) for name, values in column.items()}
+    data["cell_start"] = ("element_bound", np.zeros(n + 1, np.int64))  # no outlines
+    data |= {f"cell_{axis}": ("vertex", np.zeros(0)) for axis in "xy"}
     ocean = vortex.BOX**2
     water = {"ocean_area": ocean, "unclaimed_water": ocean - n * area}
     return make_state(parse_scene(SCENE, "vortex"), xr.Dataset(data, attrs=water), None)
