@@ -21,7 +21,7 @@ from floeflow.postprocess.figures.style import (
     new_figure,
 )
 from floeflow.studies.accuracy_plan import TOGETHER
-from floeflow.studies.accuracy_table import Accuracy, Point, pareto
+from floeflow.studies.accuracy_table import REFERENCE, Accuracy, Point, pareto
 from floeflow.studies.measures import NORMS
 
 # Colour, mark and dash differ together, so that print and colour-blind eyes tell knobs apart.
@@ -32,7 +32,10 @@ STYLES = (
     (ORANGE, "v", ":"),
     (SKY, "D", (0, (5, 1))),
     (INK, "P", (0, (1, 1))),
-    (FAINT, "X", (0, (3, 1, 1, 1))),
+    ("#cc79a7", "X", (0, (3, 1, 1, 1))),
+    ("#8a6d3b", "<", (0, (8, 2))),
+    ("#4b0082", ">", (0, (2, 2))),
+    (FAINT, "h", "-"),
 )
 LEAST = 1.0e-7
 
@@ -40,8 +43,9 @@ LEAST = 1.0e-7
 def accuracy_figure(study: Accuracy, norm: str) -> Figure:
     """Relative error over work, both logarithmic, one line for each knob.
 
-    The star is the default, the thick grey line the Pareto front, crosses at the top are runs that
-    failed; below the hatched line is what chaos alone makes.
+    Lines show the error that a knob alone makes, the marks of "all knobs" and the thick grey line,
+    the Pareto front of all runs, that of all knobs. Stars are the default, crosses at the top runs
+    that failed; below the hatched line is what chaos alone makes. The reference is not drawn.
     """
     with look():
         figure = new_figure(7.6, 4.6)
@@ -52,11 +56,12 @@ def accuracy_figure(study: Accuracy, norm: str) -> Figure:
         front = pareto(study.points, norm)
         axes.plot(
             [p.work for p in front],
-            [max(p.errors[norm], LEAST) for p in front],
+            [max(p.totals[norm], LEAST) for p in front],
             color=FAINT,
             linewidth=5,
             alpha=0.35,
             zorder=0,
+            marker=".",
             label="Pareto front",
         )
         failed = [p.work for p in study.points if not p.stable]
@@ -89,7 +94,7 @@ def accuracy_figure(study: Accuracy, norm: str) -> Figure:
 def _knob(
     axes: Axes, points: list[Point], norm: str, name: str, style: tuple[str, str, object]
 ) -> None:
-    good = [p for p in points if p.stable and norm in p.errors]
+    good = [p for p in points if p.stable and norm in p.errors and p.run != REFERENCE]
     if not good:
         return
     colour, mark, dash = style

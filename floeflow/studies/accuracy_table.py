@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ import xarray as xr
 
 from floeflow.config import Scene
 from floeflow.state import read_dataset
-from floeflow.studies.accuracy_plan import TOGETHER
+from floeflow.studies.accuracy_plan import KEPT, TOGETHER
 from floeflow.studies.compare import RunEnds, read_ends, work
 from floeflow.studies.knobs import Knob, knobs
 from floeflow.studies.measures import NORMS
@@ -44,7 +45,10 @@ class Point:
     stable : bool
         Whether it ran to its end with finite results.
     errors : mapping
-        Relative error by norm; empty where unstable.
+        Relative error by norm that the knob alone makes; empty where unstable.
+    totals : mapping
+        Relative error by norm of all knobs: against the finest run of all. With another packing
+        the knob's own error and the default's total one, added as squares.
     """
 
     run: str
@@ -55,6 +59,7 @@ class Point:
     element_steps: float
     stable: bool
     errors: Mapping[str, float]
+    totals: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -126,16 +131,17 @@ def analyse(scene: Scene, records: Sequence[Record], results: Path = Path("resul
         "cpu": median(by_name[name]["cpu_seconds"] for name in alike),
         "element_steps": float(by_name[BASE]["element_steps"]),
     }
-    points, orders = [], []
+    points: list[Point] = []
+    orders: list[Convergence] = []
+    reference = REFERENCE if runs.stable(REFERENCE) else BASE
     for knob in knobs(scene):
         found, said = _series(knob, runs, usual)
-        points += found
+        points += [replace(p, totals=_totals(p, runs, reference)) for p in found]
         orders += said
-    reference = REFERENCE if runs.stable(REFERENCE) else BASE
     for name, record in by_name.items():
         if name == BASE or record["group"] == TOGETHER:
             lies = runs.errors(reference, name) if runs.stable(name) else {}
-            points.append(_point(record, TOGETHER, np.nan, usual, lies))
+            points.append(_point(record, TOGETHER, np.nan, usual, lies, lies))
     chaos = [runs.errors(BASE, name) for name in repeats if runs.stable(name)]
     times = [work(by_name[name]) for name in alike]
     return Accuracy(
@@ -145,6 +151,16 @@ def analyse(scene: Scene, records: Sequence[Record], results: Path = Path("resul
         (max(times) - min(times)) / usual["work"],
         usual["work"],
     )
+
+
+def _totals(point: Point, runs: Runs, reference: str) -> dict[str, float]:
+    """Errors of a knob's run against the finest of all."""
+    if not point.stable:
+        return {}
+    if point.knob not in KEPT or point.level == 1.0:
+        return runs.errors(reference, point.run)
+    default = runs.errors(reference, BASE)
+    return {n: float(np.hypot(e, default.get(n, 0.0))) for n, e in point.errors.items()}
 
 
 def run_of(knob: Knob, place: int) -> str:
@@ -183,7 +199,12 @@ def _series(
 
 
 def _point(
-    record: Record, knob: str, level: float, usual: Mapping[str, float], lies: Mapping[str, float]
+    record: Record,
+    knob: str,
+    level: float,
+    usual: Mapping[str, float],
+    lies: Mapping[str, float],
+    totals: Mapping[str, float] = MappingProxyType({}),
 ) -> Point:
     return Point(
         str(record["variant"]),
@@ -194,15 +215,19 @@ def _point(
         record["element_steps"] / usual["element_steps"] if usual["element_steps"] else 1.0,
         not record["fault"],
         lies,
+        totals,
     )
 
 
 def pareto(points: Sequence[Point], norm: str) -> list[Point]:
-    """Points that no other beats in both work and error, cheapest first."""
+    """Runs that no other beats in both work and total error, cheapest first.
+
+    The reference itself is none of them.
+    """
     front: list[Point] = []
-    good = [p for p in points if p.stable and norm in p.errors]
-    for point in sorted(good, key=lambda p: (p.work, p.errors[norm])):
-        if not front or point.errors[norm] < front[-1].errors[norm]:
+    good = [p for p in points if p.stable and norm in p.totals and p.run != REFERENCE]
+    for point in sorted(good, key=lambda p: (p.work, p.totals[norm])):
+        if not front or point.totals[norm] < front[-1].totals[norm]:
             front.append(point)
     return front
 
@@ -212,6 +237,7 @@ def as_dataset(study: Accuracy, scene: Scene) -> xr.Dataset:
     points = study.points
     names = list(NORMS)
     table = [[p.errors.get(name, np.nan) for name in names] for p in points]
+    totals = [[p.totals.get(name, np.nan) for name in names] for p in points]
     text = {name: np.array([getattr(p, name) for p in points]) for name in ("run", "knob")}
     numbers = {
         name: ("point", np.array([getattr(p, name) for p in points], dtype=float), {"units": "1"})
@@ -223,6 +249,7 @@ def as_dataset(study: Accuracy, scene: Scene) -> xr.Dataset:
             **numbers,
             "stable": ("point", np.array([p.stable for p in points], dtype=np.int8)),
             "error": (("point", "norm"), np.array(table), {"units": "1"}),
+            "total_error": (("point", "norm"), np.array(totals), {"units": "1"}),
             "chaos": ("norm", np.array([study.chaos[name] for name in names]), {"units": "1"}),
             "norm": ("norm", np.array(names)),
         }

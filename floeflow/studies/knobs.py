@@ -16,6 +16,9 @@ from floeflow.config import Scene
 
 Changes = dict[str, Any]
 MANY_WINDOWS = 8
+# From fine to coarse.
+SCHEMES = ("mushy", "bl99", "zero_layer")
+MOST_CATEGORIES = 10
 
 
 @dataclass(frozen=True)
@@ -47,18 +50,37 @@ def knobs(scene: Scene) -> list[Knob]:
     """Knobs that act in a scene."""
     found = [_step(scene), _stiffness(scene), _elements(scene), _window(scene), _spacing(scene)]
     if "thermodynamics" in scene.effects:
-        found.append(_column_step(scene))
+        found += [_column_step(scene), _scheme(scene), _categories(scene)]
+        # Zero-layer ice has none.
+        if scene.column.scheme != SCHEMES[-1]:
+            found.append(_layers(scene))
+    if "remap" in scene.effects:
+        found.append(_remap(scene))
     return found
+
+
+def _remap(scene: Scene) -> Knob:
+    """How often elements are replaced by fresh ones."""
+    every = max(1, scene.remap.every)
+
+    def changes(level: float) -> Changes:
+        return {"remap.every": round(every * level)}
+
+    fine = [1.0 / n for n in (4, 2) if every % n == 0]
+    coarse = [float(n) for n in (2, 4) if n * every <= scene.time.windows]
+    text = "windows between remaps"
+    return Knob("remap_interval", text, None, (*fine, 1.0, *coarse), changes)
 
 
 def _step(scene: Scene) -> Knob:
     share = scene.dynamics.step_share
 
     def changes(level: float) -> Changes:
-        return {"dynamics.step_share": min(1.0, share * level)}
+        return {"dynamics.step_share": share * level}
 
     text = "time step, share of the critical one"
-    return Knob("step_share", text, 1.0, (0.125, 0.25, 0.5, 1.0, 2.0), changes)
+    coarse = [1.0 / share] if share < 1.0 else []
+    return Knob("step_share", text, 1.0, (0.125, 0.25, 0.5, 1.0, *coarse), changes)
 
 
 def _stiffness(scene: Scene) -> Knob:
@@ -113,6 +135,38 @@ def _spacing(scene: Scene) -> Knob:
     coarse = [float(n) for n in (2, 4) if all((w / domain.spacing / n) % 1 == 0 for w in widths)]
     levels = (*fine, 1.0, *coarse)
     return Knob("forcing_grid", "cells of the forcing's grid", 2.0, levels, changes)
+
+
+def _scheme(scene: Scene) -> Knob:
+    """Schemes stand in the order of what they tell of; factors of two are only their places."""
+    own = SCHEMES.index(scene.column.scheme)
+    levels = tuple(2.0 ** (place - own) for place in range(len(SCHEMES)))
+
+    def changes(level: float) -> Changes:
+        return {"column.scheme": SCHEMES[levels.index(level)]}
+
+    return Knob("column_scheme", "scheme of the column", None, levels, changes)
+
+
+def _layers(scene: Scene) -> Knob:
+    layers = scene.column.layers
+
+    def changes(level: float) -> Changes:
+        return {"column.layers": max(2, round(layers / level))}
+
+    text = "thickness of the column's layers"
+    return Knob("layer_thickness", text, 2.0, (0.25, 0.5, 1.0, 2.0), changes)
+
+
+def _categories(scene: Scene) -> Knob:
+    """Width of the categories; with redistribution there are two at least."""
+    count = scene.column.categories
+
+    def changes(level: float) -> Changes:
+        return {"column.categories": round(count / level)}
+
+    fine = [1.0 / n for n in (9, 5, 3, 2) if n * count <= MOST_CATEGORIES]
+    return Knob("category_width", "width of the categories", 1.0, (*fine, 1.0), changes)
 
 
 def _column_step(scene: Scene) -> Knob:

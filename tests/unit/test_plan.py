@@ -55,8 +55,9 @@ def test_budgets_are_times():
 def test_finer_settings_have_smaller_errors(scene: Scene, c: Conditions):
     for knob in resolutions(scene, c):
         assert resolutions(scene, c)[knob] > 0
+    share = 0.25 * scene.dynamics.step_share
     fine = scene.model_copy(
-        update={"dynamics": scene.dynamics.model_copy(update={"step_share": 0.1})}
+        update={"dynamics": scene.dynamics.model_copy(update={"step_share": share})}
     )
     one, two = (knob_errors(s, c, MODEL)["step_share"]["drift"] for s in (scene, fine))
     assert two == pytest.approx(one / 4)
