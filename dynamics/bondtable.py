@@ -126,3 +126,10 @@ def empty_pairs(columns: tuple[str, ...]) -> Arrays:
     """Table without pairs."""
     table: Arrays = {"id_lo": np.zeros(0, np.int64), "id_hi": np.zeros(0, np.int64)}
     return table | {name: np.zeros(0) for name in columns}
+
+
+def without(table: Arrays, ids: np.ndarray) -> Arrays:
+    """Rows of a table of elements, pairs or wall contacts that name none of these elements."""
+    names = [name for name in ("id", "id_lo", "id_hi") if name in table]
+    kept = ~np.any([np.isin(table[name], ids) for name in names], axis=0)
+    return {name: values[kept] for name, values in table.items()}

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from floeflow.dynamics.bondtable import BOND_COLUMNS, Arrays, empty_pairs
+from floeflow.dynamics.bondtable import BOND_COLUMNS, Arrays, empty_pairs, without
 from floeflow.dynamics.enginechecks import (
     check_bonds,
     check_contacts,
@@ -31,6 +31,7 @@ from floeflow.dynamics.enginetables import (
     first_fault,
     get_elements,
     get_pairs,
+    get_sums,
     missing_pairs,
     put_pairs,
 )
@@ -43,7 +44,7 @@ from floeflow.dynamics.enginewalls import (
     set_walls,
     wall_forces,
 )
-from floeflow.dynamics.pluginlib import load_plugin, quiet_errors
+from floeflow.dynamics.pluginlib import load_plugin, open_liggghts
 from floeflow.errors import FloeError
 
 __all__ = ["Engine", "EngineError", "EngineParams", "Forcing"]
@@ -164,6 +165,19 @@ class Engine:
         if self._forcing is not None:
             self.set_forcing(self._forcing)
 
+    def remove(self, ids: np.ndarray) -> None:
+        """Take elements out, with their bonds and contacts; what `diagnostics` adds up starts anew.
+
+        Raises
+        ------
+        FloeError
+            If no element would be left.
+        """
+        held = None if self.walls is None else without(self.wall_contacts(), ids)
+        elements, bonds, contacts = (without(t, ids) for t in (self.elements(), *self._pairs()))
+        now = self._start + self._steps * self.params.time_step
+        self.load(elements, bonds, contacts, now, held)
+
     def set_forcing(self, forcing: Forcing) -> None:
         """Hand over the forcing of the coming steps; needs a loaded state.
 
@@ -226,8 +240,7 @@ class Engine:
         return wall_forces(self._library, self._instance, self.comm, walls)
 
     def _pairs(self) -> tuple[Arrays, Arrays]:
-        columns = self.params.contact_columns
-        return get_pairs(self._library, self._instance, self.comm, columns)
+        return get_pairs(self._library, self._instance, self.comm, self.params.contact_columns)
 
     def diagnostics(self) -> dict[str, float]:
         """Sums over all ranks: energies and works (J), impulses (N s), counts.
@@ -236,14 +249,8 @@ class Engine:
         overlap (m), energies, momentum and counts belong to now. Each is summed where it
         arises, none is the remainder of the others.
         """
-        names = self._library.floe_sum_names().decode().split()
-        sums = np.empty(len(names))
-        self._check(self._library.floe_sums(self._instance, sums, len(sums)))
-        total, largest = np.empty_like(sums), np.empty_like(sums)
-        self.comm.Allreduce(sums, total, op=MPI.SUM)
-        self.comm.Allreduce(sums, largest, op=MPI.MAX)
-        out = dict(zip(names, total.tolist(), strict=True))
-        out["max_overlap"] = float(largest[names.index("max_overlap")])
+        failed, out = get_sums(self._library, self._instance, self.comm)
+        self._check(failed)
         out["time"] = self._start + self._steps * self.params.time_step
         return out
 
@@ -252,14 +259,7 @@ class Engine:
         fault = self.comm.bcast(open_fault(self.log) if self.comm.rank == 0 else None)
         if fault:
             raise EngineError(f"{self.log}: LIGGGHTS' log cannot be written: {fault}.")
-        words = ["liggghts", "-screen", "none", "-log", str(self.log)]
-        arguments = (ctypes.c_char_p * len(words))(*(word.encode() for word in words))
-        handle = ctypes.c_void_p(MPI._addressof(self.comm))
-        with quiet_errors():
-            failed = self._library.floe_open(
-                len(words), arguments, handle, ctypes.byref(self._instance)
-            )
-        self._check(failed)
+        self._check(open_liggghts(self._library, self._instance, self.comm, self.log))
 
     def _put_pairs(self, bonds: Arrays, contacts: Arrays) -> None:
         self._check(put_pairs(self._library, self._instance, bonds, contacts))

@@ -108,6 +108,21 @@ def get_pairs(
     return tables[0], tables[1]
 
 
+def get_sums(
+    library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
+) -> tuple[int, dict[str, float]]:
+    """Whether it failed (1), and the plugin's sums over all ranks by name."""
+    names = library.floe_sum_names().decode().split()
+    sums = np.zeros(len(names))
+    failed = int(library.floe_sums(instance, sums, len(sums)))
+    total, largest = np.empty_like(sums), np.empty_like(sums)
+    comm.Allreduce(sums, total, op=MPI.SUM)
+    comm.Allreduce(sums, largest, op=MPI.MAX)
+    out = dict(zip(names, total.tolist(), strict=True))
+    out["max_overlap"] = float(largest[names.index("max_overlap")])
+    return failed, out
+
+
 def missing_pairs(wanted: Arrays, present: Arrays) -> list[tuple[int, int]]:
     """Pairs of one table that another does not have."""
     have = set(zip(present["id_lo"].tolist(), present["id_hi"].tolist(), strict=True))

@@ -22,7 +22,6 @@ from floeflow.dynamics.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.overlaps import rest_overlaps
 from floeflow.dynamics.ridging import close_areas
 from floeflow.dynamics.timestep import critical_step
-from floeflow.dynamics.wallridges import shift_wall_contacts
 from floeflow.effects import plugin_switches
 from floeflow.state.schema import MOBILE
 
@@ -173,12 +172,8 @@ def move(
         motion.state = moved_state(state, moved, left, engine.contacts(), walls)
     if params.ridging:
         ridged = moved["ridged_area"]
-        whole, least = motion.state, scene.dynamics.minimum_thickness
-        motion.state = close_areas(whole, ridged, least)
-        if walled:
-            motion.state = shift_wall_contacts(
-                whole, motion.state, least, start + scene.time.window
-            )
+        least, end = scene.dynamics.minimum_thickness, start + scene.time.window
+        motion.state = close_areas(motion.state, ridged, least, end)
         motion.budget["ridged_area"] = float(ridged.sum())
     return motion
 

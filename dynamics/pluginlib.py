@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from mpi4py import MPI
 from numpy.ctypeslib import ndpointer
 
 from floeflow.errors import FloeError
@@ -113,3 +114,14 @@ def quiet_errors() -> Iterator[None]:
     finally:
         os.dup2(saved, 2)
         os.close(saved)
+
+
+def open_liggghts(
+    library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm, log: Path
+) -> int:
+    """Open LIGGGHTS on a communicator with a log; returns 1 if that failed."""
+    words = ["liggghts", "-screen", "none", "-log", str(log)]
+    arguments = (ctypes.c_char_p * len(words))(*(word.encode() for word in words))
+    handle = ctypes.c_void_p(MPI._addressof(comm))
+    with quiet_errors():
+        return int(library.floe_open(len(words), arguments, handle, ctypes.byref(instance)))

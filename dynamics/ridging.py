@@ -12,7 +12,9 @@ import xarray as xr
 from scipy.spatial import cKDTree
 
 from floeflow.dynamics.bondtable import Arrays, element_rows
+from floeflow.dynamics.crushing import stand_clear
 from floeflow.dynamics.elements import element_arrays
+from floeflow.dynamics.wallridges import shift_wall_contacts
 from floeflow.errors import FloeError
 from floeflow.state.schema import COAST
 
@@ -22,7 +24,9 @@ NEAR = 0.05
 _VOLUMES = ("ice_volume", "snow_volume")
 
 
-def close_areas(state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float) -> xr.Dataset:
+def close_areas(
+    state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float, time: float = 0.0
+) -> xr.Dataset:
     """Take the area that was turned into ridges from the elements.
 
     Ice and leads of an element close in proportion (its ice fraction stays), ice and snow keep
@@ -37,6 +41,8 @@ def close_areas(state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float)
         Area turned into ridges, m2, in the order of the elements.
     minimum_thickness : float
         As in `element_arrays`, m.
+    time : float
+        At which walls, if there are any, are where they are, s.
 
     Returns
     -------
@@ -70,7 +76,12 @@ def close_areas(state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float)
     closed.attrs = {**state.attrs, "unclaimed_water": water}
     before = element_arrays(state, minimum_thickness)
     after = element_arrays(closed, minimum_thickness)
-    return _shift_contacts(closed, before, after)
+    after |= stand_clear(closed, before, after, time)
+    for name in ("radius", "x", "y"):
+        closed[name] = ("element", after[name])
+    closed = _shift_contacts(closed, before, after)
+    walled = "wall_contact_ridge_closing" in closed
+    return shift_wall_contacts(closed, before, after, time) if walled else closed
 
 
 def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
@@ -94,15 +105,20 @@ def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Data
     # Thicker ice is stiffer: less overlap holds the same force. A gap stays as wide as it is.
     softer = contact_share(before, lo, hi) / contact_share(after, lo, hi)
     elastic = np.where(elastic > 0, elastic * softer, elastic)
+    distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
     rest = shrunk - distance - elastic
+    # Where an element is nearly used up, its ridges are no thinner than half of its ice.
+    thin = 0.5 * np.minimum(after["thickness"][lo], after["thickness"][hi])
+    ridge = state["contact_ridge_thickness"].values
     shifted = state.assign(
         contact_rest_overlap=("contact", rest),
         contact_slip=("contact", state["contact_slip"].values * softer),
+        contact_ridge_thickness=("contact", np.where(ridge > 0, np.maximum(ridge, thin), ridge)),
     )
     # What is open and has built no ridge starts anew, with the ice of then, where it touches.
     anew = (elastic <= 0) & (state["contact_ridge_closing"].values == 0)
     for name in ("contact_ridge_thickness", "contact_ridge_length"):
-        shifted[name] = ("contact", np.where(anew, 0.0, state[name].values))
+        shifted[name] = ("contact", np.where(anew, 0.0, shifted[name].values))
     near = (rest < 0) & (elastic > -NEAR * reach)
     return shifted.isel(contact=np.flatnonzero((elastic > 0) | (shrunk > distance) | near))
 

@@ -102,11 +102,21 @@ def _last_words(job: Job, log: Path, code: int) -> str:
     return f"the ranks ended with code {code}: {last} (see {log})"
 
 
+def warn_of_step(scene: Scene) -> None:
+    """Warn on the terminal and in the log of a time step above the critical one."""
+    share = scene.dynamics.step_share
+    if share > 1:
+        text = f"dynamics.step_share is {share:g}: at such a time step the ice may blow up"
+        logging.warning("%s", text)
+        print(f"floeflow: warning: {text}", file=sys.stderr, flush=True)
+
+
 def main(snakemake: stage.Snakemake) -> None:
     """Run the rule."""
     scene = stage.scene(snakemake)
     folder = stage.scene_folder(snakemake)
     windows = list(snakemake.params.windows)
+    warn_of_step(scene)
     log = folder / "log/window" / f"{windows[-1]}.ranks.log"
     fixed = fixed_hashes(scene, snakemake.input.plugin, snakemake.threads)
     state_path = Path(snakemake.input.state)

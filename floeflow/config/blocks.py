@@ -184,7 +184,10 @@ class Time(Block):
 class Dynamics(Block):
     """The discrete element model."""
 
-    step_share: float = key(0.65, "Time step as a share of the critical one.", "1", gt=0, le=1)
+    step_share: float = key(0.65, "Time step as a share of the critical one.", "1", gt=0, le=10)
+    allow_unstable_step: bool = key(
+        False, "Allow a step_share above 1, at which ice may blow up; the run warns."
+    )
     young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", gt=0)
     poisson_ratio: float = key(0.3, "Poisson's ratio of the ice.", "1", ge=0, lt=0.5)
     contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", gt=0)

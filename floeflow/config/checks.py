@@ -24,6 +24,7 @@ def check_combinations(scene: Scene) -> None:
     """
     _check_domain(scene)
     _check_times(scene)
+    _check_step(scene)
     if "walls" in scene.effects and not scene.walls.names:
         raise FloeError("effects: 'walls' is named but walls.rim, planes and mesh name none")
     if len(set(scene.walls.rim)) < len(scene.walls.rim):
@@ -43,6 +44,15 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("effect 'redistribution' needs column.categories of 2 or more")
     if scene.packing.coast_bonds and not {"bonds", "coast"} <= set(scene.effects):
         raise FloeError("packing.coast_bonds needs the effects 'bonds' and 'coast'")
+
+
+def _check_step(scene: Scene) -> None:
+    share = scene.dynamics.step_share
+    if share > 1 and not scene.dynamics.allow_unstable_step:
+        raise FloeError(
+            f"dynamics.step_share ({share:g}) is above 1: the ice may blow up at such a time step; "
+            "dynamics.allow_unstable_step: true allows it"
+        )
 
 
 def _check_domain(scene: Scene) -> None:

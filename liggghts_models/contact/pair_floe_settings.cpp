@@ -12,6 +12,7 @@
 #include "history.h"
 #include "modify.h"
 #include "neighbor.h"
+#include "number.h"
 #include "pair_floe.h"
 
 using namespace LAMMPS_NS;
@@ -30,8 +31,8 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   int k = 0;
   const auto number = [&](const std::string &key, bool positive) {
     if (++k >= narg) fail(key + " needs a value");
-    const double value = force->numeric(FLERR, arg[k]);
-    if (!std::isfinite(value)) fail(key + " is not finite");
+    double value;
+    if (const char *fault = number_fault(arg[k], value)) fail(key + fault);
     if (value < 0.0 || (positive && value == 0.0)) {
       fail(key + (positive ? " must be above 0" : " must not be negative"));
     }

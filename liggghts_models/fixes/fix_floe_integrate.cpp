@@ -13,6 +13,7 @@
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
+#include "number.h"
 #include "orientation.h"
 #include "output.h"
 #include "pair_floe.h"
@@ -71,8 +72,8 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
   int k = 3;
   const auto number = [&](const char *key) {
     if (++k >= narg) fail(std::string(key) + " needs a value");
-    const double value = force->numeric(FLERR, arg[k]);
-    if (!std::isfinite(value)) fail(std::string(key) + " is not finite");
+    double value;
+    if (const char *fault = floe::number_fault(arg[k], value)) fail(key + std::string(fault));
     return value;
   };
   const auto flag = [&](const char *key) {

@@ -54,6 +54,8 @@ def a_packing(rows: int = 6, gap: float = 1.0) -> xr.Dataset:
     column = {"ice_fraction": np.ones((n, 1)), "ice_volume": thickness}
     data = {name: ("element", values) for name, values in element.items()}
     data |= {name: (("element", "category"), values) for name, values in column.items()}
+    data["cell_start"] = ("element_bound", np.zeros(n + 1, np.int64))  # no outlines
+    data |= {f"cell_{axis}": ("vertex", np.zeros(0)) for axis in "xy"}
     return xr.Dataset(data, attrs={"ocean_area": 1.7e9, "unclaimed_water": 1e8})
 
 
@@ -178,7 +180,8 @@ def test_only_walls_bring_walls_to_the_state() -> None:
 
 def test_ice_that_overlaps_a_wall_at_the_start_is_not_pushed(tmp_path: Path) -> None:
     scene = a_scene("rim: [left, bottom]", "friction, walls")
-    state = make_state(scene, a_packing(gap=1.3).isel(element=slice(0, 6, 5)), None)
+    packing = a_packing(gap=1.3).isel(element=slice(0, 6, 5), element_bound=slice(0, 3))
+    state = make_state(scene, packing, None)
     assert state.sizes["wall_contact"] == 3
     done = advance_window(
         MPI.COMM_SELF, scene, state, xr.Dataset(), tmp_path / "log", lambda **_: None

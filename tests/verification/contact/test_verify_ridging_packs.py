@@ -100,10 +100,11 @@ def test_one_dimensional_ridging_against_a_coast(log: Path, show) -> None:
     push = sums["impulse_fixed_x"] / (steps * params.time_step)
     assert abs(push) == pytest.approx(STRESS * float(state["area"].sum()), rel=1e-4)
     # Geometry: discs take up about a third of the closing by their radii, the rest is overlap
-    # without force.
+    # without force, up to 9.5 % of the radius; what would be more makes them smaller.
     overlap = state["contact_rest_overlap"].values
     taken = 1 - overlap[2:20] / ours[2:20]
-    assert (0.33 < taken).all() and (taken < 0.34).all()
+    assert (0.33 < taken).all() and (overlap < 0.1 * RADIUS).all()
+    assert (taken[overlap[2:20] < 0.08 * RADIUS] < 0.34).all()
     thickness = (state["ice_volume"].sum("category")).values[1:]
     places = np.arange(1, COUNT + 1)
     lines = {

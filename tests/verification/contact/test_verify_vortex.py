@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Unbonded ice under a turning wind beside DEMSI's run, and with ice of other thicknesses."""
+"""Ice in a box of walls under a turning wind: beside DEMSI's run, and with FloeFlow's own laws."""
 
 from __future__ import annotations
 
@@ -9,100 +9,124 @@ import figures
 import numpy as np
 import pytest
 import vortex
+import vortex_ridging
 import xarray as xr
-from mpi4py import MPI
 
-from floeflow.dynamics.engine import Engine
-from floeflow.dynamics.timestep import critical_step
+HOUR = 3600.0
+# Time steps (s) of the members of the ensemble; each starts 1e-9 m off, at random.
+STEPS = (4.0, 3.0, 2.4, 2.0, 1.5, 1.2)
 
-STEP, HOUR, MEMBERS = 4.0, 3600.0, 6
-
-Moved = tuple[np.ndarray, np.ndarray, float]
+Moved = tuple[np.ndarray, np.ndarray]
 
 
 @pytest.fixture(scope="module")
 def demsi(shared: Path) -> dict[str, np.ndarray]:
-    """Time (s), place (m) and velocity (m/s) of the uniform vortex."""
+    """Time (s), place (m) and velocity (m/s) of the uniform vortex, in the lattice's order."""
     path = shared / "reference" / "demsi" / "vortex_uniform.nc"
     with xr.open_dataset(path, decode_times=False) as data:
-        return {name: data[name].values for name in ("time", "x", "v")}
+        order = np.lexsort(data["x"].values[0].T[::-1])
+        return {"time": data["time"].values} | {n: data[n].values[:, order] for n in ("x", "v")}
 
 
-def lattice() -> np.ndarray:
-    """The start of the reference run: 100 x 50 places (m) in the upper half of the box."""
-    across, up = np.arange(2500.0, 500e3, 5000.0), np.arange(252_500.0, 500e3, 5000.0)
-    x, y = np.meshgrid(across, up, indexing="ij")
-    return np.column_stack([x.ravel(), y.ravel()])
+def springs(log: Path, seed: int, hours: int, step: float) -> tuple[list[Moved], float]:
+    """Places and velocities (n, 2) of the ice every three hours; the largest overlap (m)."""
+    out, largest = [], 0.0
+    elements = vortex.box(vortex.lattice(), 1.0, seed)
+    for hour, engine in enumerate(vortex.drift(log, elements, vortex.springs(step), hours), 1):
+        largest = max(largest, engine.diagnostics()["max_overlap"])
+        if hour % 3 == 0:
+            ice = engine.elements()
+            place = np.column_stack([ice["x"], ice["y"]])
+            assert (place > 0).all() and (place < vortex.BOX).all()  # nothing is lost
+            out.append((place, np.column_stack([ice["u"], ice["v"]])))
+    return out, largest
 
 
-def run(log: Path, thickness: float | np.ndarray, seed: int, hours: float) -> Moved:
-    """Places and velocities (n, 2) of the ice after some hours, the largest overlap until then."""
-    start = lattice()
-    elements, params = vortex.box(start, thickness, seed), vortex.parameters(STEP)
-    n, largest = len(start), 0.0
-    with Engine(MPI.COMM_SELF, params, log) as engine:
-        engine.load(elements)
-        engine.set_forcing(vortex.turning_wind())
-        for _ in range(round(hours * 4)):
-            engine.run(round(HOUR / 4 / STEP))
-            largest = max(largest, engine.diagnostics()["max_overlap"])
-        out = engine.elements()
-    place = np.column_stack([out["x"], out["y"]])[:n]
-    assert (place > 0).all() and (place < vortex.BOX).all()  # nothing is lost
-    return place, np.column_stack([out["u"], out["v"]])[:n], largest
+@pytest.fixture(scope="module")
+def members(tmp_path_factory: pytest.TempPathFactory) -> list[Moved]:
+    """Each member's ice after a day."""
+    log = tmp_path_factory.mktemp("vortex") / "log"
+    return [springs(log, seed, 24, step)[0][-1] for seed, step in enumerate(STEPS)]
+
+
+def beside(ours: Moved, demsi: dict[str, np.ndarray], number: int) -> np.ndarray:
+    """Quadrant means less those of DEMSI's output with this number, (4, 4)."""
+    first = vortex.lattice()
+    theirs = vortex.quadrants(demsi["x"][number], demsi["v"][number], first)
+    return vortex.quadrants(*ours, first) - theirs
 
 
 def test_the_lattice_is_that_of_the_reference(demsi: dict[str, np.ndarray]) -> None:
-    np.testing.assert_array_equal(np.sort(lattice(), 0), np.sort(demsi["x"][0], 0))
+    np.testing.assert_array_equal(vortex.lattice(), demsi["x"][0])
 
 
 def test_three_hours_beside_demsi(log: Path, demsi: dict[str, np.ndarray]) -> None:
-    place, velocity, overlap = run(log, 1.0, 1, 3.0)
-    start = lattice()
-    order = np.lexsort(demsi["x"][0].T[::-1])
-    ours = vortex.quadrants(place, velocity, start)
-    theirs = vortex.quadrants(demsi["x"][1][order], demsi["v"][1][order], start)
-    assert np.abs(ours - theirs)[:, :2].max() < 100.0  # of 0.7 to 2.4 km
-    assert np.abs(ours - theirs)[:, 2:].max() < 0.01
+    moved, overlap = springs(log, 1, 3, 4.0)
+    apart = beside(moved[-1], demsi, 1)
+    assert np.abs(apart[:, :2]).max() < 40.0  # of 0.7 to 2.4 km
+    assert np.abs(apart[:, 2:]).max() < 0.01
     assert overlap < 0.01 * vortex.RADIUS
 
 
 @pytest.mark.slow
-def test_a_day_beside_demsi(log: Path, demsi: dict[str, np.ndarray], show) -> None:
-    start, day = lattice(), 8
-    order = np.lexsort(demsi["x"][0].T[::-1])
-    place, velocity = demsi["x"][day][order], demsi["v"][day][order]
-    theirs = vortex.quadrants(place, velocity, start)
-    runs = [run(log, 1.0, seed, 24.0) for seed in range(MEMBERS)]
-    members = np.array([vortex.quadrants(x, v, start) for x, v, _ in runs])
-    mean, spread = members.mean(0), members.std(0, ddof=1)
+def test_a_day_beside_demsi(members: list[Moved], demsi: dict[str, np.ndarray], show) -> None:
+    first = vortex.lattice()
+    apart = np.array([beside(member, demsi, 8) for member in members])
+    mean, spread = apart.mean(0), apart.std(0, ddof=1)
     with np.printoptions(precision=4, suppress=True, linewidth=120):
-        print("FloeFlow - DEMSI\n", mean - theirs, "\nstandard deviation of members\n", spread)
-        print("share within 2 deviations", (np.abs(mean - theirs) < 2 * spread).mean())
-    path = np.hypot(*(theirs[:, :2] - vortex.quadrants(start, velocity, start)[:, :2]).T)
-    gap = np.hypot(*(mean - theirs)[:, :2].T)
-    assert (gap < 0.03 * path).all()
-    assert np.abs(mean - theirs)[:, 2:].max() < 0.01
-    show("vortex", figures.vortex, place, runs[0][0])
+        print("FloeFlow - DEMSI\n", mean, "\nstandard deviation of members\n", spread)
+        print("share within 2 deviations", (np.abs(mean) < 2 * spread).mean())
+    theirs = vortex.quadrants(demsi["x"][8], demsi["v"][8], first)
+    way = np.hypot(*(theirs[:, :2] - vortex.quadrants(first, first, first)[:, :2]).T)
+    assert (np.hypot(*mean[:, :2].T) < 0.01 * way).all()
+    assert np.abs(mean[:, 2:]).max() < 0.005
+    show("vortex", figures.vortex, demsi["x"][8], members[0][0])
 
 
 @pytest.mark.slow
+@pytest.mark.xfail(
+    strict=True,
+    reason="some of the 16 means lie up to four deviations off: the first buckling of the lattice "
+    "at the northern wall, within the first three hours",
+)
+def test_a_day_within_two_deviations(members: list[Moved], demsi: dict[str, np.ndarray]) -> None:
+    apart = np.array([beside(member, demsi, 8) for member in members])
+    assert (np.abs(apart.mean(0)) < 2 * apart.std(0, ddof=1)).all()
+
+
+@pytest.mark.slow
+def test_four_days_beside_demsi(log: Path, demsi: dict[str, np.ndarray]) -> None:
+    moved, overlap = springs(log, 1, 96, 4.0)
+    first = vortex.lattice()
+    for number in (8, 16, 24, 32):
+        theirs = vortex.quadrants(demsi["x"][number], demsi["v"][number], first)
+        way = np.hypot(*(theirs[:, :2] - vortex.quadrants(first, first, first)[:, :2]).T)
+        gap = np.hypot(*beside(moved[number - 1], demsi, number)[:, :2].T)
+        print(number * 3, "h: gap (m)", gap.round(), "of", way.round())
+        assert (gap < 0.05 * way).all()
+    assert overlap < 0.01 * vortex.RADIUS
+
+
 @pytest.mark.parametrize(
-    "thinnest",
+    ("hours", "thinnest"),
     [
-        0.8,
-        pytest.param(
-            0.0,
-            marks=pytest.mark.xfail(
-                strict=True, reason="springs alone squeeze the thinnest ice by 0.15 R: no ridging"
-            ),
-        ),
+        (0.5, 0.0),
+        *(pytest.param(24.0, h, marks=pytest.mark.slow) for h in (1.0, 0.8, 0.0)),
     ],
 )
-def test_other_thicknesses_at_the_same_step(log: Path, thinnest: float) -> None:
+def test_own_laws_at_one_step_for_any_ice(log: Path, hours: float, thinnest: float) -> None:
     random = np.random.default_rng(2)
     thickness = np.maximum(random.uniform(thinnest, 1.0, 5000), 1e-6)
-    elements = vortex.box(lattice(), thickness, 0)
-    assert critical_step(elements, None, vortex.parameters(STEP))[0] > STEP
-    _, _, overlap = run(log, thickness, 0, 24.0)
-    assert overlap < 0.1 * vortex.RADIUS
+    first = vortex_ridging.start(thickness)
+    last, worst = vortex_ridging.run(log, first, 1.0, hours)
+    print(thinnest, worst, "smallest radius", float(last["radius"].min()))
+    limit = 0.1 * vortex.RADIUS
+    assert worst.discs < limit and worst.elastic < limit and worst.wall < limit
+    # Nothing is lost: every element, all ice, all area.
+    assert (last["id"].values == first["id"].values).all()
+    for axis in "xy":
+        assert (last[axis] > 0).all() and (last[axis] < vortex.BOX).all()
+    volume = [float(s["area"] @ s["ice_volume"][:, 0]) for s in (first, last)]
+    assert volume[1] == pytest.approx(volume[0], rel=1e-12)
+    total = [float(s["area"].sum()) + s.attrs["unclaimed_water"] for s in (first, last)]
+    assert total[1] == pytest.approx(total[0], rel=1e-12)

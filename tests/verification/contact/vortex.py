@@ -96,6 +96,13 @@ def drift(log: Path, elements: Arrays, params: EngineParams, hours: int) -> Iter
             yield engine
 
 
+def lattice() -> np.ndarray:
+    """The start of the reference run: 100 x 50 places (m) in the upper half of the box."""
+    across, up = np.arange(RADIUS, BOX, 2 * RADIUS), np.arange(BOX / 2 + RADIUS, BOX, 2 * RADIUS)
+    x, y = np.meshgrid(across, up, indexing="ij")
+    return np.column_stack([x.ravel(), y.ravel()])
+
+
 def quadrants(x: np.ndarray, v: np.ndarray, first: np.ndarray) -> np.ndarray:
     """Means of place (m) and velocity (m/s) of the ice that began in each quadrant of its area.
 
