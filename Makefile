@@ -11,7 +11,7 @@ SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
 export PYTHON LIGGGHTS_ROOT NO_APT
 
-.PHONY: help setup run test verification lint bench-dem bench-column bench-remap bench-plan bench studies doctor test-fresh lock clean
+.PHONY: help setup run test verification stability lint bench-dem bench-column bench-remap bench-plan bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -29,6 +29,9 @@ test: setup lint ## set up, then run lint and every test but the slow ones
 
 verification: setup ## compare with theory and references at length, draw docs/images/verification
 	.venv/bin/python -m pytest -m verification --figures tests/verification
+
+stability: setup ## run the hard cases at length: results/stability/stability.html
+	.venv/bin/snakemake --profile workflows/profiles/local --keep-going -- stability
 
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh

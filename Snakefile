@@ -24,6 +24,7 @@ include: "workflows/rules/export.smk"
 include: "workflows/rules/studies.smk"
 include: "workflows/rules/ablation.smk"
 include: "workflows/rules/accuracy.smk"
+include: "workflows/rules/stability.smk"
 
 
 rule all:

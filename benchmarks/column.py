@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Speed of the column schemes: column-steps per second and core, over threads and columns.
 
-Usage: python benchmarks/column.py [--repeats 7] [--largest 100000] [--out FILE]
+Usage: python benchmarks/column.py [--repeats 7] [--largest 1000000] [--out FILE]
 Columns of five categories start from many thicknesses, live 20 days in a winter or a summer, and
 are timed from there in hourly steps, compiled beforehand. No peer runs beside it: the speed of
 Icepack (Fortran, -O3) is quoted from a machine of the same kind.
@@ -30,9 +30,15 @@ from floeflow.column.state import ColumnForcing, ColumnState
 DT = 3600.0  # s
 CATEGORIES = 5
 STEPS = 24
+SCHEMES = {
+    "bl99": Physics(),
+    "mushy": Physics(mushy=True),
+    "mushy_ponds": Physics(mushy=True, delta_eddington=True, ponds=True),
+}  # the last with delta-Eddington light
 ICEPACK = {
     "bl99": [33000, 43000],
     "mushy": [23000, 32000],
+    "mushy_ponds": [15000, 29000],
 }  # column-steps/s per core, five categories
 SEASONS = {
     "winter": {"air": 243.0, "longwave": 170.0, "sun": 0.0, "snow": 1e-6, "humidity": 2.5e-4},
@@ -59,6 +65,7 @@ def weather(season: str, steps: int, count: int, seed: int) -> dict[str, Array]:
         "deep_heat": np.full(shape, 2.0),
         "mixed_depth": np.full(shape, 20.0),
         "ocean_friction": np.full(shape, 2e-3),
+        "sun_height": np.full(shape, 0.38 if mean["sun"] > 0.0 else -0.4),
     }
 
 
@@ -93,8 +100,8 @@ def columns(season: str, count: int, seed: int, p: Physics) -> LayeredState:
 
 
 def time_layered(scheme: str, season: str, count: int, threads: int, repeats: int) -> Record:
-    """Time the layered scheme `bl99` or `mushy`."""
-    p, bounds = Physics(mushy=scheme == "mushy"), category_bounds(CATEGORIES)
+    """Time a layered scheme by its name in ``SCHEMES``."""
+    p, bounds = SCHEMES[scheme], category_bounds(CATEGORIES)
     some = columns(season, min(count, 1000), 1, p)
     state = take(some, np.arange(count) % len(some.sea_temperature))
     one = pack_forcing(weather(season, STEPS, min(count, 1000), 99), STEPS, min(count, 1000))
@@ -162,12 +169,12 @@ def main() -> None:
     """Time all cases and write them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=7)
-    parser.add_argument("--largest", type=int, default=100000, help="columns, a power of ten")
+    parser.add_argument("--largest", type=int, default=1000000, help="columns, a power of ten")
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks/column.json"))
     options = parser.parse_args()
     most = numba.config.NUMBA_NUM_THREADS
     records = [time_zero_layer(season, 1000, options.repeats) for season in SEASONS]
-    for scheme in ICEPACK:
+    for scheme in SCHEMES:
         for season in SEASONS:
             for threads in range(1, most + 1):
                 records.append(time_layered(scheme, season, 1000, threads, options.repeats))

@@ -60,21 +60,29 @@ def one_rank(plan: Plan, folder: Path) -> list[Record]:
         "unbonded_friction": Own(comm, plan.size, folder, bonds=False, friction=True),
         "bonded": Own(comm, plan.size, folder, bonds=True, friction=True),
     }
+    # What an option costs: beside the same without it.
+    options: dict[str, Own] = {
+        name + ("_bonded" if bonds else ""): Own(
+            comm, plan.size, folder, bonds=bonds, friction=True, **{name: True}
+        )
+        for name in ("deterministic", "exact_losses", "ridging")
+        for bonds in (False, True)
+    }
     large = {
         "unbonded_friction_10x": Own(comm, plan.large, folder, bonds=False, friction=True),
         "bonded_10x": Own(comm, plan.large, folder, bonds=True, friction=True),
     }
     with contextlib.ExitStack() as stack:
         memory: dict[str, int] = {}
-        for name, program in [*large.items(), *programs.items()]:
+        for name, program in [*large.items(), *programs.items(), *options.items()]:
             before = resident_bytes()
             stack.enter_context(program)
             program.run(2)
             memory[name] = resident_bytes() - before
         alike = likeness(programs)
-        seconds: dict[str, list[float]] = {name: [] for name in [*programs, *large]}
+        seconds: dict[str, list[float]] = {name: [] for name in [*programs, *options, *large]}
         for _ in range(plan.repeats):
-            for name, program in programs.items():
+            for name, program in [*programs.items(), *options.items()]:
                 seconds[name].append(timed(comm, program, plan.steps))
             for name, program in large.items():
                 seconds[name].append(timed(comm, program, max(plan.steps // 10, 5)))
@@ -87,6 +95,11 @@ def one_rank(plan: Plan, folder: Path) -> list[Record]:
                 continue
             if name == "unbonded_friction":
                 extra |= alike
+            peers = seconds[peer]
+            records.append(Record(name, count(plan.size), 1, seconds[name], peer, peers, extra))
+        for name, program in options.items():
+            peer = "bonded" if name.endswith("_bonded") else "unbonded_friction"
+            extra = figures(plan.size, program, plan.steps, seconds[name], memory[name])
             peers = seconds[peer]
             records.append(Record(name, count(plan.size), 1, seconds[name], peer, peers, extra))
         for name, program in large.items():

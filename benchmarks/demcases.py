@@ -88,12 +88,18 @@ class Own:
     """FloeFlow's engine with a raft. A context manager, as `Stock`."""
 
     def __init__(
-        self, comm: MPI.Comm, size: tuple[int, int], folder: Path, bonds: bool, friction: bool
+        self,
+        comm: MPI.Comm,
+        size: tuple[int, int],
+        folder: Path,
+        bonds: bool,
+        friction: bool,
+        **more: bool,
     ) -> None:
         self._elements = raft(*size, rate=BONDED_RATE if bonds else 1.0)
         self._bonds = lattice_bonds(size[0], self._elements) if bonds else None
         params = EngineParams(
-            STEP, bonds=bonds, friction=friction, skin=SKIN, compressive_strength=STRENGTH
+            STEP, bonds=bonds, friction=friction, skin=SKIN, compressive_strength=STRENGTH, **more
         )
         self._engine = Engine(comm, params, folder / "log.own")
 

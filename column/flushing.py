@@ -36,6 +36,8 @@ def flushing(w, first, ice, snow, depth, area, dt, p):
     p : Physics
         Constants.
     """
+    if depth * area <= 0.0:
+        return 0.0
     resistance, mass, least = 0.0, 0.0, 1.0
     for k in range(first, w.thickness.size):
         liquid = w.liquid[k]

@@ -32,6 +32,7 @@ from floeflow.column.ponds import evolve, flush
 from floeflow.column.profile import fill, new_profile
 from floeflow.column.records import Column, category_energy, category_water, new_scratch, pond_water
 from floeflow.column.scattering import new_rays
+from floeflow.column.shortwave_eddington import MEDIA, ice_media
 from floeflow.column.tidy import clear, empty, melt_sides, open_area, rebin
 
 
@@ -230,7 +231,8 @@ def _build(digest: str) -> Callable[..., Any]:
         for part in numba.prange((count + chunk - 1) // chunk):
             w = new_profile(profile, snow_enthalpy.shape[2], constants)
             s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
-            rays = new_rays(profile.size + snow_enthalpy.shape[2])
+            rays = new_rays(profile.size + snow_enthalpy.shape[2], MEDIA)
+            ice_media(rays.media, constants[0])
             last = min((part + 1) * chunk, count)
             step_some(
                 part * chunk, last, area, ice, snow, surface, ice_enthalpy, snow_enthalpy,

@@ -23,7 +23,6 @@ from floeflow.column.mush import (
 )
 from floeflow.column.physics import jit
 from floeflow.column.profile import conductances
-from floeflow.column.tridiagonal import fill_surface, solve
 
 LEAST_SALINITY = 0.01  # 1e-3
 SWEEPS = 100
@@ -54,14 +53,18 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, po
     melting = 0.0 if top < first else liquidus(w.salt[first])
     cold = surface < melting
     start = surface if cold else melting
-    found = settle_surface(w, top, first, cold, start, bottom, light, air, exchange, sinks, dt, p)
+    for k in range(top, z):
+        fill_mush(w, top, k, first, bottom, sinks, dt, p)
+    eliminate(w, z - top + 1)
+    found = settle_surface(w, top, cold, start, light, air, exchange, p)
     sweeps = found.sweeps
     warm = found.temperature > melting if cold else found.net >= found.top
     if warm == cold:
-        found = settle_surface(
-            w, top, first, not warm, melting, bottom, light, air, exchange, sinks, dt, p
-        )
+        found = settle_surface(w, top, not warm, melting, light, air, exchange, p)
         sweeps += found.sweeps
+    w.solution[0] = found.temperature
+    for row in range(1, z - top + 1):
+        w.solution[row] = w.right[row] + w.lower[row] * w.solution[row - 1]
     advected = 0.0
     rest = found.top
     warm_sea = brine_enthalpy(bottom, p)
@@ -85,32 +88,43 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, po
 
 
 @jit
-def settle_surface(w, top, first, cold, surface, bottom, light, air, exchange, sinks, dt, p):
+def eliminate(w, rows):
+    """Eliminate the layers from the bottom up.
+
+    Each is left as a linear function of the one above it, the first of the surface: its constant in
+    ``w.right``, its factor in ``w.lower``. The surface then is one equation for one unknown.
+    """
+    right = factor = 0.0
+    for row in range(rows - 1, 0, -1):
+        pivot = 1.0 / (w.diagonal[row] + w.upper[row] * factor)
+        right = (w.right[row] - w.upper[row] * right) * pivot
+        factor = -w.lower[row] * pivot
+        w.right[row], w.lower[row] = right, factor
+
+
+@jit
+def settle_surface(w, top, cold, surface, light, air, exchange, p):
     """Solve for a surface that is cold, or for one that is kept at its temperature.
 
-    The layers are left in ``w.solution``; a cold surface may come out above melting.
+    A cold surface may come out above melting.
     """
-    rows = w.thickness.size - top + 1
     change, sweeps = 1.0, 0
     net = latent = 0.0
+    conducts = w.conductance[top]
     while change > p.surface_tolerance and sweeps < SWEEPS:
         sweeps += 1
         net, slope, latent, latent_slope = surface_balance(
             surface, light, air, exchange[0], exchange[1], p
         )
-        if cold:
-            fill_surface(w, top, surface, net, slope)
-        for k in range(top, w.thickness.size):
-            fill_mush(w, top, k, first, bottom, sinks, dt, p)
-        if not cold:
-            w.right[1] += w.conductance[top] * surface
-        solve(w, 0 if cold else 1, rows)
         change = 0.0
         if cold:
-            step = w.solution[0] - surface
-            surface, change = w.solution[0], abs(step)
+            new = (slope * surface - net - conducts * w.right[1]) / (
+                slope - conducts * (1.0 - w.lower[1])
+            )
+            step, surface = new - surface, new
+            change = abs(step)
             net, latent = net + slope * step, latent + latent_slope * step
-    into = net if cold else w.conductance[top] * (surface - w.solution[1])
+    into = net if cold else conducts * (surface - w.right[1] - w.lower[1] * surface)
     return Balance(surface, net, latent, into, 0.0, sweeps)
 
 

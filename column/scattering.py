@@ -45,6 +45,12 @@ LOWEST_SUN = 0.01  # cosine
 NEAREST = 1e-9  # of the pole of eq. 3
 
 
+# A medium as a row of numbers: what `mix_medium` makes of extinction, albedo and asymmetry.
+EXTINCTION, RATE, U, ODD, EVEN, SLOPE, POLE = range(7)
+PLUS, MINUS = 8, 8 + DIRECTIONS  # where coefficients of the directions begin
+MEDIUM = 8 + 2 * DIRECTIONS  # numbers
+
+
 class Rays(NamedTuple):
     """Work arrays of one column of light.
 
@@ -62,6 +68,8 @@ class Rays(NamedTuple):
         Of diffuse light from below, reflected by all above.
     net : ndarray
         Downward less upward flux at interfaces, summed over bands (W/m2).
+    media : ndarray
+        Scattering media, (number, MEDIUM).
     """
 
     beam_back: Array
@@ -76,15 +84,17 @@ class Rays(NamedTuple):
     diffuse: Array
     back_above: Array
     net: Array
+    media: Array
 
 
 @jit_making
-def new_rays(layers):
+def new_rays(layers, media):
     """Return work arrays for snow and ice of so many layers, with two more that scatter."""
     m = layers + 3
     return Rays(
         np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m),
         np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m),
+        np.zeros((media, MEDIUM)),
     )  # fmt: skip
 
 
@@ -95,17 +105,13 @@ def fading(path):
     The fifth power of two of a polynomial on [-0.32, 0]: relative error below 1e-14.
     """
     x = 0.15625 - path * 0.03125
-    y = 1.0 / 3628800.0
-    y = y * x + 1.0 / 362880.0
-    y = y * x + 1.0 / 40320.0
-    y = y * x + 1.0 / 5040.0
-    y = y * x + 1.0 / 720.0
-    y = y * x + 1.0 / 120.0
-    y = y * x + 1.0 / 24.0
-    y = y * x + 1.0 / 6.0
-    y = y * x + 0.5
-    y = y * x + 1.0
-    y = (y * x + 1.0) * 0.8553453273074225  # exp(-0.15625)
+    xx = x * x
+    # Pairs of terms, and pairs of those: short chains of sums that wait for each other.
+    low = (1.0 + x) + (0.5 + x * (1.0 / 6.0)) * xx
+    high = (1.0 / 24.0 + x * (1.0 / 120.0)) + (1.0 / 720.0 + x * (1.0 / 5040.0)) * xx
+    rest = (1.0 / 40320.0 + x * (1.0 / 362880.0)) + xx * (1.0 / 3628800.0)
+    four = xx * xx
+    y = (low + (high + rest * four) * four) * 0.8553453273074225  # exp(-0.15625)
     y *= y
     y *= y
     y *= y
@@ -114,54 +120,74 @@ def fading(path):
 
 
 @_jit_sums
-def scatter(r, k, depth, albedo, asymmetry, sun):
-    """Set what layer k reflects and transmits (eqs. 1 to 5).
+def mix_medium(media, m, extinction, albedo, asymmetry):
+    """Set medium m to what scatters so: all of the layer's solution that its depth does not enter.
+
+    Scaled for forward scattering (eq. 1); rates and amplitudes of the two streams (eqs. 2 and 3).
 
     Parameters
     ----------
-    r : Rays
-        Written at k.
-    k : int
-        Layer.
-    depth, albedo, asymmetry : float
-        Optical depth, share that scatters, mean cosine of the scattering angle.
-    sun : float
-        Cosine of the beam's direction in the layer.
+    media : ndarray
+        Written at m.
+    m : int
+        Row.
+    extinction : float
+        1/m.
+    albedo, asymmetry : float
+        Share that scatters, mean cosine of the scattering angle.
     """
     forward = asymmetry * asymmetry
-    depth *= 1.0 - albedo * forward
-    albedo = (1.0 - forward) * albedo / (1.0 - albedo * forward)
+    squeeze = 1.0 - albedo * forward
+    albedo = (1.0 - forward) * albedo / squeeze
     asymmetry = asymmetry / (1.0 + asymmetry)
     absorbed = 1.0 - albedo
     spread = 1.0 - albedo * asymmetry
     rate = math.sqrt(3.0 * absorbed * spread)
-    u = 1.5 * spread / rate
-    fades = fading(min(rate * depth, DARKEST))
-    scale = 1.0 / ((u + 1.0) * (u + 1.0) / fades - (u - 1.0) * (u - 1.0) * fades)
-    back = (u * u - 1.0) * (1.0 / fades - fades) * scale
-    on = 4.0 * u * scale
-
     odd = 0.75 * albedo * (1.0 + asymmetry * absorbed)
     even = 0.5 * albedo
     slope = 1.5 * albedo * asymmetry * absorbed
     pole = rate * rate
+    row = media[m]
+    row[EXTINCTION], row[RATE], row[U] = extinction * squeeze, rate, 1.5 * spread / rate
+    row[ODD], row[EVEN], row[SLOPE], row[POLE] = odd, even, slope, pole
+    for i in range(DIRECTIONS):
+        x = COSINES[i]
+        inverse = WEIGHTS[i] / (1.0 - pole * x * x)
+        one, two = odd * x * inverse, (even + slope * x * x) * inverse
+        row[PLUS + i] = one + two
+        row[MINUS + i] = one - two
+
+
+@_jit_sums
+def scatter(r, k, m, thick, sun):
+    """Set what layer k of medium m and a thickness (m) reflects and transmits (eqs. 4 and 5).
+
+    ``sun`` is the cosine of the beam's direction in the layer.
+    """
+    row = r.media[m]
+    depth, u = thick * row[EXTINCTION], row[U]
+    fades = fading(min(row[RATE] * depth, DARKEST))
+    # Both over the same denominator, multiplied by what fades.
+    square, more, less = fades * fades, (u + 1.0) * (u + 1.0), (u - 1.0) * (u - 1.0)
+    scale = 1.0 / (more - less * square)
+    back = (u * u - 1.0) * (1.0 - square) * scale
+    on = 4.0 * u * fades * scale
+
     fade = fading(min(depth / sun, DARKEST))
-    gap = 1.0 - pole * sun * sun
+    gap = 1.0 - row[POLE] * sun * sun
     if abs(gap) < NEAREST:
         gap = NEAREST
-    a, b = odd * sun / gap, (even + slope * sun * sun) / gap
+    gap = 1.0 / gap
+    a, b = row[ODD] * sun * gap, (row[EVEN] + row[SLOPE] * sun * sun) * gap
     r.beam[k] = fade
     r.beam_back[k] = (a + b) * back + (a - b) * (on * fade - 1.0)
     r.beam_on[k] = (a + b) * on + ((a - b) * back - (a + b) + 1.0) * fade
     backs = ons = 0.0
     for i in range(DIRECTIONS):
-        x = COSINES[i]
         t = fading(min(depth * PATHS[i], DARKEST))
-        inverse = 1.0 / (1.0 - pole * x * x)
-        one, two = odd * x * inverse, (even + slope * x * x) * inverse
-        plus, minus = one + two, one - two
-        backs += WEIGHTS[i] * (plus * back + minus * (on * t - 1.0))
-        ons += WEIGHTS[i] * (plus * on + (minus * back - plus + 1.0) * t)
+        plus, minus = row[PLUS + i], row[MINUS + i]
+        backs += plus * back + minus * (on * t - 1.0)
+        ons += plus * on + (minus * back - plus + WEIGHTS[i]) * t
     r.back[k] = r.back_below[k] = backs
     r.on[k] = r.on_below[k] = ons
 

@@ -10,8 +10,6 @@ layers.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from floeflow.column import records as r
 from floeflow.column.optics import (
     BANDS,
@@ -21,7 +19,6 @@ from floeflow.column.optics import (
     OCEAN_ALBEDO,
     POND_INSIDE,
     POND_SURFACE,
-    SURFACE,
     WATER_EXTINCTION,
     grain_place,
     ice_scattering,
@@ -35,6 +32,7 @@ from floeflow.column.scattering import (
     LOWEST_SUN,
     add_up,
     copy_layer,
+    mix_medium,
     pass_down,
     refract,
     refracted,
@@ -46,34 +44,28 @@ SNOW_SKIN, ICE_SKIN = 0.04, 0.05  # most of what is the scattering surface (m)
 DEEP_POND = 0.2  # m, from which on the ice below a pond has properties of its own
 
 
-class Slab(NamedTuple):
-    """What light meets in one kind of surface, the same for all bands.
+# Rows of media: bare ice (skin, drained, inside) in each band, then what a band is mixed anew for.
+ICE_MEDIA = 3 * BANDS
+WATER = ICE_MEDIA  # or snow
+BOTTOM = WATER + 1  # the lowest ice layer with its algae
+PONDED = BOTTOM + 1  # ice under ponds: skin, first layer, inside
+MEDIA = PONDED + 3
 
-    Parameters
-    ----------
-    kind : int
-        Bare ice, snow or pond.
-    first, layers : int
-        Number of snow and of ice layers.
-    ice, snow, pond : float
-        Thickness of ice, of snow, depth of the pond (m).
-    radius : float
-        Of snow grains (um), with the sky counted in.
-    row : int
-        Of the table of snow.
-    share : float
-        Of the next row.
-    """
 
-    kind: int
-    first: int
-    layers: int
-    ice: float
-    snow: float
-    pond: float
-    radius: float
-    row: int
-    share: float
+@jit
+def ice_media(media, p):
+    """Set the media of bare ice, which no category changes."""
+    for kind in range(3):
+        for band in range(BANDS):
+            scatters, absorbs = ice_scattering(kind, band, p)
+            mix_ice(media, kind * BANDS + band, scatters, absorbs)
+
+
+@jit
+def mix_ice(media, m, scatters, absorbs):
+    """Set a medium of ice by its scattering and absorption (1/m)."""
+    extinction = scatters + absorbs
+    mix_medium(media, m, extinction, scatters / extinction, ICE_ASYMMETRY)
 
 
 @jit
@@ -126,20 +118,32 @@ def absorb_scattered(c, n, ice, snow, first, w, rays, f, dt, p):
 @jit
 def shine(kind, share, ice, snow, pond, surface, first, w, rays, f, p):
     """Light absorbed at and passed by one kind of surface; adds to ``w.source``, all by share."""
-    sky = 1.0 - 0.2 * f[r.DIFFUSE_INFRARED]
-    radius = snow_grains(surface, p) * sky
-    row, above = grain_place(radius)
     layers = w.source.size - first
-    slab = Slab(kind, first, layers, ice, snow, pond, radius, row, above)
+    grain = (0.0, 0, 0.0)
+    if kind == SNOW:
+        radius = snow_grains(surface, p) * (1.0 - 0.2 * f[r.DIFFUSE_INFRARED])
+        row, above = grain_place(radius)
+        grain = (radius, row, above)
     rays.net[:] = 0.0
     near = 0.67 + 0.11 * f[r.DIFFUSE_INFRARED]
+    sun = max(f[r.SUN_HEIGHT], LOWEST_SUN)
+    inner = refracted(sun)
     for band in range(BANDS):
         if band == 0:
-            sun, diffuse = f[r.VISIBLE], f[r.DIFFUSE_VISIBLE]
+            light, diffuse = f[r.VISIBLE], f[r.DIFFUSE_VISIBLE]
         else:
-            sun, diffuse = f[r.INFRARED], f[r.DIFFUSE_INFRARED]
-            sun *= near if band == 1 else 1.0 - near
-        shine_band(slab, band, sun * (1.0 - diffuse), sun * diffuse, f[r.SUN_HEIGHT], rays, p)
+            light, diffuse = f[r.INFRARED], f[r.DIFFUSE_INFRARED]
+            light *= near if band == 1 else 1.0 - near
+        if kind == SNOW:
+            extinction, albedo, asymmetry = snow_optics(grain[0], grain[1], grain[2], band, p)
+            mix_medium(rays.media, WATER, extinction, albedo, asymmetry)
+        elif kind == POND:
+            mix_medium(rays.media, WATER, WATER_EXTINCTION[band], 0.0, 0.0)
+            mix_ponded(rays.media, pond, layers, band, p)
+        last = shine_band(kind, band, ice, snow, pond, first, layers, sun, inner, rays, p)
+        ground = OCEAN_ALBEDO[band] if last == first + layers + 2 else 0.0
+        start = first + 1 if kind == BARE else 0
+        add_up(rays, start, last, ground, light * (1.0 - diffuse), light * diffuse)
 
     net = rays.net
     top = first + 1 if kind == BARE else 0
@@ -155,69 +159,71 @@ def shine(kind, share, ice, snow, pond, surface, first, w, rays, f, p):
 
 
 @jit
-def shine_band(slab, band, direct, diffuse, height, rays, p):
-    """Add the net fluxes of one band to ``rays.net``."""
-    sun = max(height, LOWEST_SUN)
-    inner = refracted(sun)
-    start = slab.first + 1 if slab.kind == BARE else 0
-    mirror = 0 if slab.kind == POND else slab.first + 2
-    end = slab.first + slab.layers + 2
-    rays.direct[start] = rays.total[start] = rays.diffuse[start] = 1.0
-    rays.back_above[start] = 0.0
-    depth = albedo = asymmetry = -1.0
-    last = end
-    for k in range(start, end):
-        if rays.total[k] <= LEAST_LIGHT:
-            last = k
-            break
-        before, albedo_before, asymmetry_before = depth, albedo, asymmetry
-        depth, albedo, asymmetry = layer_optics(slab, band, k, p)
-        same = depth == before and albedo == albedo_before and asymmetry == asymmetry_before
-        if same and k - 1 != mirror and k != mirror:
-            copy_layer(rays, k)
-        else:
-            scatter(rays, k, depth, albedo, asymmetry, sun if k < mirror else inner)
-            if k == mirror:
-                refract(rays, k, sun, inner)
-        pass_down(rays, k)
-    add_up(rays, start, last, OCEAN_ALBEDO[band] if last == end else 0.0, direct, diffuse)
+def mix_ponded(media, pond, layers, band, p):
+    """Set the media of ice under a pond (m): that of bare ice where it is shallow (eq. 13)."""
+    wet = min(pond / DEEP_POND, 1.0)
+    for place in range(3):
+        deep, absorbs = ice_scattering(POND_SURFACE if place == 0 else POND_INSIDE, band, p)
+        bare, _ = ice_scattering(place, band, p)
+        if place == DRAINED:
+            bare *= drained_depth(layers)
+        mix_ice(media, PONDED + place, bare + (deep - bare) * wet, absorbs)
 
 
 @jit
-def layer_optics(slab, band, k, p):
-    """Optical depth, albedo and asymmetry of layer k from the top (eqs. 11 to 13).
+def drained_depth(layers):
+    """Factor by which the drained layer is as deep however many layers of ice there are."""
+    return 0.25 * layers
 
-    The snow's scattering surface, the rest of its first layer, its other layers (or as many of
-    pond water); then those of the ice likewise.
+
+@jit
+def shine_band(kind, band, ice, snow, pond, first, layers, sun, inner, rays, p):
+    """Light of one band through the layers; the interface from which on nothing was looked at.
+
+    From the top: the scattering surface of the snow, the rest of its first layer, its other layers
+    (or as many of pond water); then those of the ice likewise (eqs. 11 and 12).
     """
-    first = slab.first
-    if k <= first:
-        if slab.kind == POND:
-            return WATER_EXTINCTION[band] * slab.pond / (first + 1.0), 0.0, 0.0
-        extinction, albedo, asymmetry = snow_optics(slab.radius, slab.row, slab.share, band, p)
-        layer = slab.snow / first
-        skin = min(SNOW_SKIN, 0.5 * layer)
-        thick = skin if k == 0 else (layer - skin if k == 1 else layer)
-        return extinction * thick, albedo, asymmetry
-    layer = slab.ice / slab.layers
-    skin = min(min(ICE_SKIN, slab.ice / 30.0), 0.5 * layer)
-    place = k - first - 1
-    thick = skin if place == 0 else (layer - skin if place == 1 else layer)
-    drained = place == 1 and slab.layers > 1
-    kind = SURFACE if place == 0 else (DRAINED if drained else INSIDE)
-    scatters, absorbs = ice_scattering(kind, band, p)
-    # The drained layer is as deep however many layers there are.
-    factor = 0.25 * slab.layers if drained else 1.0
-    if slab.kind == POND:
-        under = POND_SURFACE if place == 0 else POND_INSIDE
-        deep, absorbs = ice_scattering(under, band, p)
-        wet = min(slab.pond / DEEP_POND, 1.0)
-        bare_part = scatters * factor
-        scatters = bare_part + (deep - bare_part) * wet
-    else:
-        scatters, absorbs = scatters * factor, absorbs * factor
-        if place == slab.layers and band == 0:
-            # The layer of algae absorbs the same however thick it is.
-            absorbs += 0.5 * p.algae / thick
-    extinction = scatters + absorbs
-    return extinction * thick, scatters / extinction, ICE_ASYMMETRY
+    start = first + 1 if kind == BARE else 0
+    mirror = 0 if kind == POND else first + 2
+    end = first + layers + 2
+    rays.direct[start] = rays.total[start] = rays.diffuse[start] = 1.0
+    rays.back_above[start] = 0.0
+    snow_layer, ice_layer = snow / max(first, 1), ice / layers
+    snow_skin = min(SNOW_SKIN, 0.5 * snow_layer)
+    ice_skin = min(min(ICE_SKIN, ice / 30.0), 0.5 * ice_layer)
+    water = pond / (first + 1.0)
+    medium, thick = -1, -1.0
+    for k in range(start, end):
+        if rays.total[k] <= LEAST_LIGHT:
+            return k
+        medium_before, thick_before = medium, thick
+        if k <= first:
+            medium = WATER
+            thick = snow_skin if k == 0 else snow_layer - (snow_skin if k == 1 else 0.0)
+            if kind == POND:
+                thick = water
+        else:
+            place = k - first - 1
+            thick = ice_skin if place == 0 else ice_layer - (ice_skin if place == 1 else 0.0)
+            sort = min(place, INSIDE)
+            if kind == POND:
+                medium = PONDED + sort
+            elif place == layers:
+                medium = INSIDE * BANDS + band
+                if band == 0:
+                    # Algae absorb the same however thick the layer is.
+                    scatters, absorbs = ice_scattering(INSIDE, band, p)
+                    mix_ice(rays.media, BOTTOM, scatters, absorbs + 0.5 * p.algae / thick)
+                    medium = BOTTOM
+            else:
+                medium = sort * BANDS + band
+                if sort == DRAINED:
+                    thick *= drained_depth(layers)
+        if medium == medium_before and thick == thick_before and k - 1 != mirror and k != mirror:
+            copy_layer(rays, k)
+        else:
+            scatter(rays, k, medium, thick, sun if k < mirror else inner)
+            if k == mirror:
+                refract(rays, k, sun, inner)
+        pass_down(rays, k)
+    return end

@@ -43,6 +43,10 @@ class EngineParams:
         By which the ocean drag is turned to the left, rad.
     relative_wind : bool
         Wind stress from the wind relative to the ice.
+    deterministic : bool
+        Sums of forces that do not depend on the order of pairs, nor on the number of ranks.
+    exact_losses : bool
+        Losses of damping to second order in the step instead of first, at some cost.
     skin : float, optional
         Extra distance of the neighbour lists, m; chosen from speed and step where absent.
     reach : float, optional
@@ -76,6 +80,8 @@ class EngineParams:
     ocean_stress_factor: float = 1026.0 * 5.5e-3
     turning_angle: float = 0.0
     relative_wind: bool = False
+    deterministic: bool = False
+    exact_losses: bool = False
     skin: float | None = None
     reach: float | None = None
 
@@ -158,6 +164,7 @@ class EngineParams:
             f" contact_shear_ratio {self.contact_shear_ratio!r}"
             f" contact_damping {self.contact_damping!r}"
             f" friction_coefficient {self.friction_coefficient!r} reach {reach!r}"
+            f" deterministic {_yes(self.deterministic)} exact_losses {_yes(self.exact_losses)}"
         )
 
     def fix_style(self) -> str:

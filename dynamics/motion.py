@@ -76,6 +76,8 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
         ocean_stress_factor=SEAWATER_DENSITY * d.ocean_drag,
         turning_angle=math.radians(d.turning_angle) if turned else 0.0,
         relative_wind=d.relative_wind,
+        deterministic=d.deterministic,
+        exact_losses=d.exact_losses,
     )
 
 

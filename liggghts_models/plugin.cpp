@@ -18,10 +18,12 @@
 #include "fix_floe_walls.h"
 #include "granular_pair_style.h"
 #include "input.h"
+#include "integrate.h"
 #include "lammps.h"
 #include "modify.h"
 #include "pair_floe.h"
 #include "pair_gran_proxy.h"
+#include "update.h"
 #include "wall_floe.h"
 
 using namespace LAMMPS_NS;
@@ -57,6 +59,12 @@ struct PairImplementation {
 };
 template struct Expose<PairImplementation, &PairGranProxy::impl>;
 
+struct ForceClear {
+  using type = int Integrate::*;
+  friend type get(ForceClear);
+};
+template struct Expose<ForceClear, &Integrate::external_force_clear>;
+
 LIGGGHTS::PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *, std::int64_t hash) {
   return new PairFloe(lmp, hash);
 }
@@ -87,6 +95,10 @@ void register_models(LAMMPS *lmp) {
   (*(lmp->modify->*get(FixMap())))["floe/integrate"] = create_fix;
   (*(lmp->modify->*get(FixMap())))["floe/walls"] = create_walls;
   (*(lmp->input->*get(CommandMap())))["floe_bonds"] = bond_command;
+}
+
+void clear_forces(LAMMPS *lmp, bool wanted) {
+  lmp->update->integrate->*get(ForceClear()) = !wanted;
 }
 
 Parts find_parts(LAMMPS *lmp) {

@@ -27,6 +27,9 @@ struct Parts {
 };
 Parts find_parts(LAMMPS_NS::LAMMPS *lmp);
 
+// Whether LIGGGHTS sets its arrays of forces to 0 in each step.
+void clear_forces(LAMMPS_NS::LAMMPS *lmp, bool wanted);
+
 }  // namespace floe
 
 #endif

@@ -232,6 +232,13 @@ class Dynamics(Block):
     minimum_thickness: float = key(
         1.0e-3, "Elements with less ice than this move as if they had this much.", "m", gt=0, le=0.1
     )
+    deterministic: bool = key(
+        False,
+        "The same bits on any number of MPI ranks: forces add up without round-off, at some cost.",
+    )
+    exact_losses: bool = key(
+        False, "Losses of damping to second order in the step, for energy budgets, at some cost."
+    )
     samples: int = key(24, "Samples of the time series in a window.", ge=1, le=10_000)
 
 

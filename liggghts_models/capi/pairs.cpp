@@ -31,7 +31,9 @@ struct Place {
 
 template <typename Visit>
 void each_pair(LAMMPS *lmp, Visit visit) {
-  const PairGran *pair = floe::find_parts(lmp).pair;
+  const floe::Parts parts = floe::find_parts(lmp);
+  const PairGran *pair = parts.pair;
+  parts.floe->write_history();
   NeighList *list = pair->list, *past = pair->listgranhistory;
   const int size = const_cast<PairGran *>(pair)->dnum();
   for (int ii = 0; ii < list->inum; ++ii) {
@@ -93,7 +95,6 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
       if (b != bond_row.end()) {
         *p.flag = 1;
         put_bond(bond + bond_columns * b->second, p.history);
-        parts.floe->finish_bond(p.history, p.i, p.j);
         return;
       }
       const auto c = contact_row.find(pair_key);

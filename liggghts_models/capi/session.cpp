@@ -116,7 +116,12 @@ const char *floe_sum_names(void) {
 int floe_sums(void *instance, double *out, int size) {
   return floe::guarded([&] {
     const floe::Parts parts = floe::find_parts(lmp_of(instance));
+    if (parts.fix->fused) parts.fix->write_forces();
     floe::PairSums pairs = parts.floe->sums(parts.pair);
+    const floe::DampingWork damping = parts.fix->damping_to_now();
+    floe::Ledger ledger = parts.fix->ledger;
+    ledger.dissipation_bond += damping.bond;
+    ledger.dissipation_contact += damping.contact;
     const KineticSums moving = kinetic_sums(lmp_of(instance));
     FixFloeWalls::Sums walls;
     if (parts.walls) walls = parts.walls->sums(pairs.max_overlap);
@@ -128,7 +133,7 @@ int floe_sums(void *instance, double *out, int size) {
       all.resize(start + sizeof(part) / sizeof(double));
       std::memcpy(all.data() + start, &part, sizeof(part));
     };
-    append(parts.fix->ledger);
+    append(ledger);
     append(pairs);
     append(moving);
     append(walls);

@@ -15,6 +15,10 @@ struct alignas(32) Load {
   double fx, fy, torque, ridged;  // N, N m; area turned into ridge, m2
 };
 
+struct DampingWork {
+  double bond = 0.0, contact = 0.0;  // J
+};
+
 }  // namespace floe
 
 #endif

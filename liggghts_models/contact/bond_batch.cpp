@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "bond_batch.h"
 
-#include <cstddef>
-
-#include "history.h"
 #include "lane_sums.h"
+#include "load_rows.h"
 
 namespace floe {
 
@@ -18,26 +16,27 @@ struct BatchState {
   P radii;
 };
 
-// Histories and elements of one bond per lane, as packs.
+// Records and elements of one bond per lane, as packs.
 template <typename P, int Width>
-FLOE_INLINE BatchState<P> gather(const ListedBond *bonds, const Body *bodies) {
-  static_assert(slot::span == 0 && slot::lo_ax == 3 && slot::bond_thickness == 11 &&
-                    slot::bond_length == 12 && slot::bond_squeeze == 15 && slot::bond_size == 16,
-                "the order in which columns are taken");
-  const double *row[Width], *lo[Width], *hi[Width];
-  for (int k = 0; k < Width; ++k) {
-    row[k] = bonds[k].history;
-    lo[k] = &bodies[bonds[k].lo].x;
-    hi[k] = &bodies[bonds[k].hi].x;
-  }
-  P a[4], b[4], c[4], d[4];
+FLOE_INLINE BatchState<P> gather(const BondBlock &block, int first, const Body *bodies) {
+  const auto column = [&](int k) { return load_pack<P>(block.column[k] + first); };
+  using B = BondBlock;
   BatchState<P> out;
-  columns(row, 0, a);
-  columns(row, 4, b);
-  columns(row, 8, c);
-  columns(row, 12, d);
-  out.shape = {{a[3], b[0]}, {b[1], b[2]}, {b[3], c[0]}, {c[1], c[2]}, a[0], c[3], a[1], a[2]};
-  out.constants = {d[0], d[1], d[2], d[3]};
+  out.shape = {{column(B::lo_ax), column(B::lo_ay)},
+               {column(B::lo_bx), column(B::lo_by)},
+               {column(B::hi_ax), column(B::hi_ay)},
+               {column(B::hi_bx), column(B::hi_by)},
+               P{},
+               P{},
+               column(B::crack_a),
+               column(B::crack_b)};
+  out.constants = {column(B::length), column(B::ratio), column(B::damping), column(B::squeeze)};
+  const double *lo[Width], *hi[Width];
+  for (int k = 0; k < Width; ++k) {
+    lo[k] = &bodies[block.lo[first + k]].x;
+    hi[k] = &bodies[block.hi[first + k]].x;
+  }
+  P a[4], c[4], d[4];
   differences(hi, lo, a);
   columns(lo, 4, c);
   columns(hi, 4, d);
@@ -46,21 +45,16 @@ FLOE_INLINE BatchState<P> gather(const ListedBond *bonds, const Body *bodies) {
   return out;
 }
 
-struct Task {
-  const BondMaterial material;
-  const double limit2;
-  const bool check;
-  const Body *const bodies;
-  Load *const loads;
-};
-
-template <typename P, int Width, bool Whole>
-FLOE_INLINE void evaluate_pack(const Task &t, const ListedBond *bonds, int count, P &sum,
-                               std::vector<ListedBond> &odd) {
-  const BatchState<P> s = gather<P, Width>(bonds, t.bodies);
+// The first `count` lanes are bonds; without Whole there may be fewer than lanes.
+template <Damping Damp, bool Exact, bool Whole, typename P, int Width>
+FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, int number, int first,
+                               int count, P &sum, std::vector<int> &odd) {
+  constexpr bool damped = Damp != Damping::none;
+  const BatchState<P> s = gather<P, Width>(block, first, t.bodies);
   const BondLineOf<P> line = bond_line(s.shape, s.pose);
   P power;
-  const PairForceOf<P> force = bond_force(t.material, s.constants, s.shape, line, s.pose, power);
+  const PairForceOf<P> force =
+      bond_force<damped>(t.material, s.constants, s.shape, line, s.pose, power);
   const P none{};
   auto holds = none == none;
   if (t.check) {
@@ -70,46 +64,60 @@ FLOE_INLINE void evaluate_pack(const Task &t, const ListedBond *bonds, int count
     holds = (range.least >= limits.least) & (range.most <= limits.most) &
             (square <= t.limit2 * s.radii * s.radii);
   }
-  double *lo[Width], *hi[Width];
-  P share;
+  int lo[Width], hi[Width];
+  double *to_lo[Width], *to_hi[Width];
+  Load nowhere[Exact ? 2 : 1];
   for (int k = 0; k < Width; ++k) {
-    lo[k] = &t.loads[bonds[k].lo].fx;
-    hi[k] = &t.loads[bonds[k].hi].fx;
-    share[k] = bonds[k].share;
+    lo[k] = block.lo[first + k];
+    hi[k] = block.hi[first + k];
+    to_lo[k] = load_row<Exact>(t.loads, lo[k]);
+    to_hi[k] = load_row<Exact>(t.loads, hi[k]);
   }
-  if (Whole && all(holds)) {
-    sum += share * power;
-  } else {
-    Load nowhere{};
+  const bool whole = Whole && all(holds);
+  if (!whole) {
+    for (Load &row : nowhere) row = {};
     for (int k = 0; k < Width; ++k) {
       if (k < count && holds[k]) continue;
-      lo[k] = hi[k] = &nowhere.fx;
+      to_lo[k] = to_hi[k] = &nowhere[0].fx;
       power[k] = 0.0;
-      if (k < count) odd.push_back(bonds[k]);
+      if (k < count) odd.push_back(number + k);
     }
-    sum += share * power;
   }
-  add_rows(lo, {force.f.x, force.f.y, force.torque_lo, none});
-  add_rows(hi, {-force.f.x, -force.f.y, force.torque_hi, none});
+  if constexpr (Damp == Damping::counted) {
+    sum += load_pack<P>(block.column[BondBlock::share] + first) * power;
+  }
+  add_loads<Exact>(to_lo, {force.f.x, force.f.y, force.torque_lo, none});
+  add_loads<Exact>(to_hi, {-force.f.x, -force.f.y, force.torque_hi, none});
+  if constexpr (Damp == Damping::exact) {
+    BondLineOf<P> still = line;
+    still.dn = still.dn_slope = still.dt = none;
+    const PairForceOf<P> part = bond_force(t.material, s.constants, s.shape, still, s.pose, power);
+    for (int k = 0; k < Width; ++k) {
+      if (!whole && !(k < count && holds[k])) continue;
+      to_lo[k] = &t.damped[lo[k]].fx;
+      to_hi[k] = &t.damped[hi[k]].fx;
+    }
+    add_rows(to_lo, {part.f.x, part.f.y, part.torque_lo, none});
+    add_rows(to_hi, {-part.f.x, -part.f.y, part.torque_hi, none});
+  }
 }
 
-template <typename P, int Width>
-FLOE_INLINE double evaluate_all(const Task &t, const std::vector<ListedBond> &bonds,
-                                std::vector<ListedBond> &odd) {
+template <Damping Damp, bool Exact, typename P, int Width>
+FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
+                                std::vector<int> &odd) {
   constexpr int parts = 4 / Width;
   P part[parts] = {};
-  const int count = static_cast<int>(bonds.size()), whole = count / 4 * 4;
-  for (int first = 0; first < whole; first += 4) {
+  const int count = bonds.count, whole = count / 4 * 4;
+  const BondBlock *block = bonds.blocks.data();
+  for (int first = 0; first < whole; first += 4, ++block) {
     for (int k = 0; k < parts; ++k) {
-      evaluate_pack<P, Width, true>(t, bonds.data() + first + k * Width, Width, part[k], odd);
+      evaluate_pack<Damp, Exact, true, P, Width>(t, *block, first + k * Width, k * Width, Width,
+                                                 part[k], odd);
     }
   }
-  if (whole < count) {
-    ListedBond last[4];
-    for (int k = 0; k < 4; ++k) last[k] = bonds[whole + k < count ? whole + k : whole];
-    for (int k = 0; k < parts; ++k) {
-      evaluate_pack<P, Width, false>(t, last + k * Width, count - whole - k * Width, part[k], odd);
-    }
+  for (int k = 0; k < parts && whole + k * Width < count; ++k) {
+    evaluate_pack<Damp, Exact, false, P, Width>(t, *block, whole + k * Width, k * Width,
+                                                count - whole - k * Width, part[k], odd);
   }
   LaneSums sums;
   for (int k = 0; k < parts; ++k) sums.add(k * Width, part[k]);
@@ -117,22 +125,32 @@ FLOE_INLINE double evaluate_all(const Task &t, const std::vector<ListedBond> &bo
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] double evaluate_wide(const Task &t, const std::vector<ListedBond> &bonds,
-                                             std::vector<ListedBond> &odd) {
-  return evaluate_all<Pack4, 4>(t, bonds, odd);
+template <Damping Damp, bool Exact>
+[[gnu::target("avx2")]] double evaluate_wide(const BondTask &t, const BondRecords &bonds,
+                                             std::vector<int> &odd) {
+  return evaluate_all<Damp, Exact, Pack4, 4>(t, bonds, odd);
 }
 #endif
 
 }  // namespace
 
-double BondBatch::evaluate(const BondMaterial &material, double limit2, bool check,
-                           const Body *bodies, Load *loads) {
-  const Task task{material, limit2, check, bodies, loads};
-  odd_.clear();
+template <Damping Damp, bool Exact>
+double evaluate_bonds(const BondTask &task, const BondRecords &bonds, std::vector<int> &odd) {
 #if defined(__x86_64__)
-  if (wide_packs()) return evaluate_wide(task, bonds_, odd_);
+  if (wide_packs()) return evaluate_wide<Damp, Exact>(task, bonds, odd);
 #endif
-  return evaluate_all<Pack2, 2>(task, bonds_, odd_);
+  return evaluate_all<Damp, Exact, Pack2, 2>(task, bonds, odd);
 }
+
+#define FLOE_BONDS(damp, exact)                                                      \
+  template double evaluate_bonds<damp, exact>(const BondTask &, const BondRecords &, \
+                                              std::vector<int> &)
+FLOE_BONDS(Damping::none, false);
+FLOE_BONDS(Damping::none, true);
+FLOE_BONDS(Damping::counted, false);
+FLOE_BONDS(Damping::counted, true);
+FLOE_BONDS(Damping::exact, false);
+FLOE_BONDS(Damping::exact, true);
+#undef FLOE_BONDS
 
 }  // namespace floe

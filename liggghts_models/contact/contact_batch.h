@@ -8,32 +8,46 @@
 #include "body.h"
 #include "contact.h"
 #include "lane_sums.h"
+#include "losses.h"
+#include "records.h"
 
 namespace floe {
 
-struct Touching {
-  double *history;
-  int i, j;
-};
+class PairFloe;
 
 // Losses in lanes of four.
 struct ContactSums {
   LaneSums damping, friction;  // W, J
+  double ridging = 0.0;        // J
 };
 
 // What a batch needs to know; elements from nlocal on are ghosts, their pairs count by half.
 struct ContactTask {
-  const ContactMaterial material;
-  const double step;   // s
-  const bool advance;  // the history; or only evaluate
+  const ContactMaterial &material;
+  const PairFloe *const ridging;  // how a contact closes; null without ridging
+  const double step;              // s
+  const bool advance;             // the history; or only evaluate
   const int nlocal;
   const Body *const bodies;
   Load *const loads;
+  Load *const damped;  // what damping adds, with Damping::exact
+  Ends *const ends;
+  ContactRow *const rows;
+  RidgeRow *const ridges;
 };
 
-// Adds forces to the loads and losses to the sums. `pairs` has room for three more than `count`.
-template <bool Friction>
-void evaluate_contacts(const ContactTask &task, Touching *pairs, int count, ContactSums &sums);
+// The terms of the law: what is off is not in the code. Exact loads take two rows each.
+template <bool WithFriction, bool WithRidging, Damping WithDamping, bool WithExactSums>
+struct ContactTerms {
+  static constexpr bool friction = WithFriction, ridging = WithRidging;
+  static constexpr bool exact_sums = WithExactSums;
+  static constexpr Damping damping = WithDamping;
+};
+
+// Adds forces of the contacts with these numbers to the loads and losses to the sums. `touching` has
+// room for three more than `count`.
+template <typename Terms>
+void evaluate_contacts(const ContactTask &task, int *touching, int count, ContactSums &sums);
 
 }  // namespace floe
 

@@ -12,9 +12,9 @@
 namespace floe {
 namespace slot {
 
-// A contact has span 0. Constants follow from the rest and are kept to save their roots.
+// A contact has span 0. Constants that follow from these and the elements are in records.h.
 enum Common { span = 0 };
-enum Contact { slip = 1, rest_overlap, contact_stiffness, contact_damping, contact_size };
+enum Contact { slip = 1, rest_overlap, contact_size };
 // With ridging a contact carries these too.
 enum Ridge { ridge_closing = contact_size, ridge_thickness, ridge_length, ridge_size };
 enum Bond {
@@ -29,11 +29,7 @@ enum Bond {
   hi_bx,
   hi_by,
   bond_thickness,
-  bond_length,
-  bond_ratio,
-  bond_damping,
-  bond_squeeze,
-  bond_size  // 16 numbers: two cache lines
+  bond_size
 };
 
 }  // namespace slot
@@ -47,10 +43,6 @@ inline BondShape bond_shape(const double *h) {
           h[slot::bond_thickness],
           h[slot::crack_a],
           h[slot::crack_b]};
-}
-
-inline BondConstants bond_constants_at(const double *h) {
-  return {h[slot::bond_length], h[slot::bond_ratio], h[slot::bond_damping], h[slot::bond_squeeze]};
 }
 
 inline Ridge ridge_at(const double *h) {

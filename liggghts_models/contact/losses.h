@@ -6,6 +6,11 @@
 
 namespace floe {
 
+// Damping of a kind of pairs: none; its losses counted from the velocities before the step that make
+// its force (first order in the step); or its forces kept per element, so that the integrator finds
+// their work over the step (second order).
+enum class Damping { none, counted, exact };
+
 // Sums over the pairs of one rank in one step.
 struct Losses {
   double bond = 0.0, contact = 0.0;                      // W

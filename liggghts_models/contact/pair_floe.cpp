@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
-// The loop over pairs.
+// One evaluation of all pairs: which touch, and which code takes them.
 #include "pair_floe.h"
 
 #include <cmath>
-#include <cstddef>
 
 #include "atom.h"
+#include "bond_batch.h"
 #include "contact_batch.h"
+#include "error.h"
 #include "fix_floe_integrate.h"
-#include "history.h"
-#include "losses.h"
-#include "neigh_list.h"
-#include "neighbor.h"
+#include "load_rows.h"
 #include "pair_gran.h"
 #include "update.h"
 
@@ -22,210 +20,148 @@ namespace floe {
 
 namespace {
 
-// Nothing remains of a contact that opened.
-template <bool Ridging>
-void forget(int &flag, double *h) {
-  if (!flag) return;
-  flag = 0;
-  constexpr int size = Ridging ? int{slot::ridge_size} : int{slot::contact_size};
-  for (int k = 0; k < size; ++k) h[k] = 0.0;
+// Calls with std::true_type or std::false_type.
+template <typename Call>
+void choose(bool value, Call call) {
+  value ? call(std::true_type{}) : call(std::false_type{});
+}
+
+template <Damping Value>
+using damping_constant = std::integral_constant<Damping, Value>;
+
+template <typename Call>
+void choose_damping(double ratio, bool exact, Call call) {
+  if (ratio == 0.0) {
+    call(damping_constant<Damping::none>{});
+  } else {
+    exact ? call(damping_constant<Damping::exact>{}) : call(damping_constant<Damping::counted>{});
+  }
 }
 
 }  // namespace
 
 void PairFloe::gather() {
-  const int all = atom->nlocal + atom->nghost;
-  bodies_.resize(all);
-  loads_.assign(all, Load{});
+  const int own = atom->nlocal, all = own + atom->nghost;
+  std::vector<Body> &bodies = fix_->bodies;
+  const bool current = fix_->fused && static_cast<int>(bodies.size()) >= own && !stale_;
+  bodies.resize(all);
   const double *const *x = atom->x, *const *v = atom->v, *const *omega = atom->omega;
   const double *radius = atom->radius;
-  for (int i = 0; i < all; ++i) {
-    bodies_[i] = {x[i][0],     x[i][1],     v[i][0],     v[i][1],
-                  omega[i][2], omega[i][0], omega[i][1], radius[i]};
+  // The integrator wrote those of this rank's own elements.
+  for (int i = current ? own : 0; i < all; ++i) {
+    bodies[i] = {x[i][0],     x[i][1],     v[i][0],     v[i][1],
+                 omega[i][2], omega[i][0], omega[i][1], radius[i]};
+  }
+  fix_->loads.assign(deterministic ? 2 * all : all, Load{});
+  if (exact_losses) {
+    fix_->damped_bond.assign(bonds ? all : 0, Load{});
+    fix_->damped_contact.assign(all, Load{});
   }
 }
 
-void PairFloe::scatter() {
-  for (int i = 0; i < atom->nlocal; ++i) {
-    atom->f[i][0] += loads_[i].fx;
-    atom->f[i][1] += loads_[i].fy;
-    atom->torque[i][2] += loads_[i].torque;
-  }
-}
-
-void PairFloe::scatter_ridged() {
-  for (int i = 0; i < atom->nlocal; ++i) fix_->ridged_area[i] += loads_[i].ridged;
-}
-
-template <bool Bonds, bool Friction, bool Ridging>
-void PairFloe::loop(PairGran *pg) {
-  const Body *bodies = bodies_.data();
-  Load *loads = loads_.data();
-  const int nlocal = atom->nlocal;
-  const NeighList *list = pg->list, *past = pg->listgranhistory;
-  const int size = pg->dnum();
-  const bool advance = pg->shearupdate() != 0;
-  const double step = advance ? update->dt : 0.0;
-  Losses lost;
-
-  if constexpr (Bonds) {
-    if (stale_ || neighbor->ago == 0) list_bonds(pg);
-    lost.bond += batch_.evaluate(bond, limit2(), advance, bodies, loads);
-    for (const ListedBond &odd : batch_.odd()) bond_alone<Ridging>(odd, size, advance, lost);
-    if (stale_) list_bonds(pg);  // what broke goes on as a contact, in this step
-  }
-  const int *rows = Bonds ? rims_.data() : list->ilist;
-  const int row_count = Bonds ? static_cast<int>(rims_.size()) : list->inum;
-  for (int ii = 0; ii < row_count; ++ii) {
-    const int i = rows[ii];
-    const Body body = bodies[i];
-    const int *neighbour = list->firstneigh[i];
-    int *flags = past->firstneigh[i];
-    double *history = past->firstdouble[i];
-    const int count = list->numneigh[i];
-    Load mine{};
-
-    for (int jj = 0; jj < count; ++jj) {
-      const int j = neighbour[jj] & NEIGHMASK;
-      double *h = history + static_cast<std::ptrdiff_t>(size) * jj;
-      if (Bonds && is_bond(flags[jj], h)) continue;
-      const Body &other = bodies[j];
-      const double dx = other.x - body.x, dy = other.y - body.y, sum = body.radius + other.radius;
-      const double square = dx * dx + dy * dy;
-      // With ridging a contact can reach across a gap, and a ridge stays where it was built.
-      if (square >= sum * sum && !(Ridging && flags[jj])) {
-        forget<Ridging>(flags[jj], h);
-        continue;
-      }
-      const double share = j < nlocal ? 1.0 : 0.5;  // a pair across ranks is met on both
-      if (!flags[jj]) {
-        flags[jj] = 1;
-        for (int k = 0; k < size; ++k) h[k] = 0.0;
-      }
-      if (h[slot::contact_stiffness] == 0.0) finish_contact(h, i, j);
-      const ContactPose pose{{dx, dy},
-                             std::sqrt(square),
-                             body.radius,
-                             other.radius,
-                             {other.u - body.u, other.v - body.v},
-                             body.spin,
-                             other.spin};
-      const ContactConstants constants{h[slot::contact_stiffness], h[slot::contact_damping]};
-      double rest = h[slot::rest_overlap], slip = h[slot::slip], overlap, limit = 0.0;
-      if constexpr (Ridging) {
-        overlap = (sum - pose.distance) - rest;
-        if (overlap <= 0.0 && square >= sum * sum && h[slot::ridge_closing] == 0.0 &&
-            rest >= 0.0) {  // below 0 ice reaches further than its disc
-          if (advance) forget<true>(flags[jj], h);
-          continue;
-        }
-      } else {
-        overlap = effective_overlap(pose, rest);
-        if (advance) h[slot::rest_overlap] = rest;
-      }
-      if (overlap <= 0.0) {
-        if (advance) h[slot::slip] = 0.0;
-        continue;
-      }
-      if constexpr (Ridging) {
-        Ridge now = ridge_at(h);
-        limit = ridging_limit(now);
-        if (advance && constants.stiffness * overlap > limit) {
-          const double closed = close_ridge(constants.stiffness, sum - rest, overlap, now);
-          h[slot::rest_overlap] = rest + closed;
-          h[slot::ridge_closing] = now.closing;
-          h[slot::ridge_thickness] = now.thickness;
-          overlap = (sum - pose.distance) - h[slot::rest_overlap];
-          lost.ridging += share * constants.stiffness * overlap * closed;
-          const double area = now.length * closed, mine_of_it = share_of(i, j);
-          mine.ridged += mine_of_it * area;
-          loads[j].ridged += (1.0 - mine_of_it) * area;
-          limit = ridging_limit(now);
-        }
-      }
-      ContactLoss loss;
-      const ContactForce touch = contact_force<Friction, Ridging>(contact, constants, pose, overlap,
-                                                                  step, slip, loss, limit);
-      if (advance) h[slot::slip] = slip;
-      lost.contact += share * loss.damping;
-      lost.friction += share * loss.friction;
-      mine.fx += touch.f.x;
-      mine.fy += touch.f.y;
-      loads[j].fx -= touch.f.x;
-      loads[j].fy -= touch.f.y;
-      if (Friction) {
-        mine.torque += touch.torque_one;
-        loads[j].torque += touch.torque_two;
-      }
-    }
-    loads[i].fx += mine.fx;
-    loads[i].fy += mine.fy;
-    loads[i].torque += mine.torque;
-    if constexpr (Ridging) loads[i].ridged += mine.ridged;
-  }
-  lost.add_to(fix_->ledger, step);
-}
-
-// The same where nothing is bonded and nothing ridges: contacts are gathered and evaluated several at once.
-template <bool Friction>
-void PairFloe::loop_contacts(PairGran *pg) {
+// All listed pairs that are not bonded: those that touch are collected and evaluated several at once.
+template <typename Terms>
+void PairFloe::loop_contacts(ContactSums &sums) {
   constexpr int room = 256;
-  Touching touching[room + 3];
-  int found = 0;
-  const Body *bodies = bodies_.data();
-  const NeighList *list = pg->list, *past = pg->listgranhistory;
-  const int size = pg->dnum();
-  const bool advance = pg->shearupdate() != 0;
-  const double step = advance ? update->dt : 0.0;
-  const ContactTask task{contact, step, advance, atom->nlocal, bodies, loads_.data()};
-  ContactSums sums;
-  const int *rows = list->ilist, *lengths = list->numneigh, row_count = list->inum;
-  int *const *firstneigh = list->firstneigh, *const *first_flag = past->firstneigh;
-  double *const *first_history = past->firstdouble;
-
-  for (int ii = 0; ii < row_count; ++ii) {
-    const int i = rows[ii], count = lengths[i];
-    const double x = bodies[i].x, y = bodies[i].y, radius = bodies[i].radius;
-    const int *neighbour = firstneigh[i];
-    int *flags = first_flag[i];
-    double *h = first_history[i];
-    for (int jj = 0; jj < count; ++jj, h += size) {
-      const int j = neighbour[jj] & NEIGHMASK;
-      const Body &other = bodies[j];
-      const double dx = other.x - x, dy = other.y - y, sum = radius + other.radius;
-      if (dx * dx + dy * dy >= sum * sum) {
-        forget<false>(flags[jj], h);
+  int touching[room + 3], found = 0;
+  const bool advance = advance_;
+  const ContactTask task{contact,
+                         Terms::ridging ? this : nullptr,
+                         advance ? update->dt : 0.0,
+                         advance,
+                         atom->nlocal,
+                         fix_->bodies.data(),
+                         fix_->loads.data(),
+                         fix_->damped_contact.data(),
+                         contacts_.ends.data(),
+                         contacts_.rows.data(),
+                         contacts_.ridges.data()};
+  const Body *bodies = task.bodies;
+  const Ends *ends = task.ends;
+  const int count = static_cast<int>(contacts_.ends.size());
+  for (int k = 0; k < count; ++k) {
+    const Body &one = bodies[ends[k].i], &two = bodies[ends[k].j()];
+    const double dx = two.x - one.x, dy = two.y - one.y, sum = one.radius + two.radius;
+    const double square = dx * dx + dy * dy;
+    if (square >= sum * sum) {
+      if (!ends[k].touching()) continue;
+      if constexpr (Terms::ridging) {
+        if (!across_gap(k, std::sqrt(square), sum, advance)) continue;
+      } else {
+        forget_contact(k);
         continue;
       }
-      flags[jj] = 1;  // what has no contact has no history
-      if (h[slot::contact_stiffness] == 0.0) finish_contact(h, i, j);
-      touching[found++] = {h, i, j};
-      if (found < room) continue;
-      evaluate_contacts<Friction>(task, touching, found, sums);
-      found = 0;
+    } else if (!ends[k].touching()) {
+      start_contact(k);
     }
+    touching[found++] = k;
+    if (found < room) continue;
+    evaluate_contacts<Terms>(task, touching, found, sums);
+    found = 0;
   }
-  if (found) evaluate_contacts<Friction>(task, touching, found, sums);
-  Losses lost;
-  lost.contact = sums.damping.total();
-  lost.friction = sums.friction.total();
-  lost.add_to(fix_->ledger, step);
+  if (found) evaluate_contacts<Terms>(task, touching, found, sums);
 }
 
-template <bool Friction>
-void PairFloe::choose_loop(PairGran *pg) {
-  if (bonds)
-    ridging ? loop<true, Friction, true>(pg) : loop<true, Friction, false>(pg);
-  else
-    ridging ? loop<false, Friction, true>(pg) : loop_contacts<Friction>(pg);
+template <bool Exact>
+void PairFloe::evaluate_exactly_or_not() {
+  Losses lost;
+  if (bonds) {
+    odd_.clear();
+    const BondTask task{bond,
+                        limit2(),
+                        advance_,
+                        fix_->bodies.data(),
+                        fix_->loads.data(),
+                        fix_->damped_bond.data()};
+    choose_damping(bond.damping, exact_losses, [&](auto damping) {
+      lost.bond = evaluate_bonds<decltype(damping)::value, Exact>(task, bonded_, odd_);
+    });
+    for (const int number : odd_) bond_alone<Exact>(number, lost);
+  }
+  ContactSums sums;
+  choose_damping(contact.damping, exact_losses, [&](auto damping) {
+    choose(friction, [&](auto with_friction) {
+      choose(ridging, [&](auto with_ridging) {
+        loop_contacts<ContactTerms<with_friction, with_ridging, damping, Exact>>(sums);
+      });
+    });
+  });
+  lost.contact += sums.damping.total();
+  lost.friction += sums.friction.total();
+  lost.ridging += sums.ridging;
+  lost.add_to(fix_->ledger, advance_ ? update->dt : 0.0);
+}
+
+// Both rows of an element as one, in the first half of the array.
+void PairFloe::fold_exact_sums() {
+  Load *loads = fix_->loads.data();
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const Load &a = loads[2 * i], &b = loads[2 * i + 1];
+    const Load sum{a.fx + b.fx, a.fy + b.fy, a.torque + b.torque, a.ridged + b.ridged};
+    if (std::fabs(sum.fx) > largest_force || std::fabs(sum.fy) > largest_force ||
+        std::fabs(sum.torque) > largest_force * torque_grid) {
+      error->one(FLERR, "deterministic: a force is beyond 8e12 N, up to which sums are exact");
+    }
+    loads[i] = sum;
+  }
 }
 
 void PairFloe::compute_force(PairGran *pg, int, int, int) {
   pg->evflag = pg->vflag_fdotr = 0;  // energies and stresses are reported by sums() and the ledger
+  pair_ = pg;
+  advance_ = pg->shearupdate() != 0;
   gather();
-  friction ? choose_loop<true>(pg) : choose_loop<false>(pg);
-  if (pg->computeflag()) scatter();
-  if (ridging) scatter_ridged();
+  if (stale_) read_history();
+  if (deterministic) {
+    evaluate_exactly_or_not<true>();
+    fold_exact_sums();
+  } else {
+    evaluate_exactly_or_not<false>();
+  }
+  if (pg->computeflag() && !fix_->fused) fix_->write_forces();
+  if (ridging) {
+    for (int i = 0; i < atom->nlocal; ++i) fix_->ridged_area[i] += fix_->loads[i].ridged;
+  }
 }
 
 }  // namespace floe

@@ -12,10 +12,11 @@
 
 #include "body.h"
 #include "bond.h"
-#include "bond_batch.h"
 #include "contact.h"
 #include "granular_pair_style.h"
+#include "losses.h"
 #include "pointers.h"
+#include "records.h"
 #include "ridge.h"
 
 namespace LAMMPS_NS {
@@ -24,7 +25,7 @@ class FixFloeIntegrate;
 
 namespace floe {
 
-struct Losses;
+struct ContactSums;
 
 // Energy (J) and counts of the present pairs of one rank.
 struct PairSums {
@@ -48,7 +49,7 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
     return type == "normal" && model == "floe";
   }
 
-  PairSums sums(LAMMPS_NS::PairGran *) const;
+  PairSums sums(LAMMPS_NS::PairGran *);
   double compressive_strength(double thickness) const {
     return kovacs_sodhi ? kovacs_sodhi_strength(thickness) : compressive;
   }
@@ -62,42 +63,53 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   }
   // Share of a contact's closed area that element i gives; a fixed one gives nothing.
   double share_of(int i, int j) const;
-  // Fills the slots of a bond that follow from its others and from its elements i and j.
-  void finish_bond(double *history, int i, int j) const;
-  void finish_contact(double *history, int i, int j) const;  // and of a contact
-  void bonds_changed() { stale_ = true; }  // by others than this class, in the neighbour lists
+  int lower(int i, int j) const;  // that of two elements which has the lower id
+  double reduced_mass(int i, int j) const;
+  // The history of LIGGGHTS' lists was changed by others than this class: it holds from now on.
+  void bonds_changed() { stale_ = true; }
+  // Writes what the steps changed into that history, for others to read.
+  void write_history();
+  // The same before LIGGGHTS makes new lists; what this class keeps is no longer valid then.
+  void lists_change();
 
   bool bonds = false, friction = true, ridging = false, kovacs_sodhi = false;
-  double compressive = 0.0;  // Pa, where it is constant
-  double reach = 1.0;        // neighbours are kept up to this multiple of the sum of radii
+  bool deterministic = false;  // sums per element that do not depend on order and ranks
+  bool exact_losses = false;   // losses of damping to second order in the step
+  double compressive = 0.0;    // Pa, where it is constant
+  double reach = 1.0;          // neighbours are kept up to this multiple of the sum of radii
   BondMaterial bond{};
   ContactMaterial contact{};
   RidgeMaterial ridge{};
 
  private:
-  template <bool Bonds, bool Friction, bool Ridging>
-  void loop(LAMMPS_NS::PairGran *);
-  template <bool Friction>
-  [[gnu::noinline]] void loop_contacts(LAMMPS_NS::PairGran *);
-  template <bool Ridging>
-  void bond_alone(const ListedBond &, int size, bool advance, Losses &);
-  double limit2() const { return 0.998 * reach * reach; }
-  void list_bonds(LAMMPS_NS::PairGran *);
-  template <bool Friction>
-  void choose_loop(LAMMPS_NS::PairGran *);
   void gather();
-  void scatter();
-  void scatter_ridged();
-  // Turns the history of a bond that broke into that of the contact that goes on: its force (N) and
-  // energy (J) in compression at that moment. Returns the elastic energy of the contact, J.
-  double take_over(int &flag, double *history, int i, int j, double overlap, double force,
-                   double energy) const;
-  double reduced_mass(int i, int j) const;
-  std::vector<Body> bodies_;  // of elements and ghosts
-  std::vector<Load> loads_;
-  BondBatch batch_;
-  std::vector<int> rims_;  // elements with neighbours that they are not bonded to
-  bool stale_ = true;      // the lists of bonds
+  void read_history();
+  BondConstants constants_of(const BondShape &, int i, int j) const;
+  void start_contact(int number);
+  void forget_contact(int number);
+  bool across_gap(int number, double distance, double sum, bool advance);
+  void evaluate();
+  template <bool Exact>
+  void evaluate_exactly_or_not();
+  template <typename Terms>
+  void loop_contacts(ContactSums &);
+  template <bool Exact>
+  void bond_alone(int number, Losses &);
+  double limit2() const { return 0.998 * reach * reach; }
+  void fold_exact_sums();
+  // A bond that broke goes on as a contact: its force (N) and energy (J) in compression at that moment.
+  // Returns the elastic energy of the contact, J, and the force that it starts with, N.
+  struct Taken {
+    double energy = 0.0, push = 0.0;
+  };
+  Taken take_over(int number, double overlap, double force, double energy);
+
+  LAMMPS_NS::PairGran *pair_ = nullptr;
+  BondRecords bonded_;
+  ContactRecords contacts_;
+  std::vector<int> odd_;
+  bool advance_ = false;  // the step that is evaluated changes the history
+  bool stale_ = true;     // the records: LIGGGHTS' history holds
   LAMMPS_NS::FixFloeIntegrate *fix_ = nullptr;
   std::int64_t hash_;
 };

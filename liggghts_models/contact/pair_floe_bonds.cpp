@@ -1,104 +1,140 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
-// The list of bonds, and the bonds that are looked at one by one.
+// Pairs that are looked at one by one: bonds that crack, contacts that start and end.
+#include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 #include "atom.h"
 #include "fix_floe_integrate.h"
-#include "history.h"
-#include "losses.h"
-#include "neigh_list.h"
+#include "load_rows.h"
 #include "pair_floe.h"
-#include "pair_gran.h"
+#include "update.h"
 
 using namespace LAMMPS_NS;
 
 namespace floe {
 
-namespace {
-
-// The bond gives way: overlap present at that moment makes no force from now on.
-void break_bond(int &flag, double *h, int size, double overlap) {
-  for (int k = 0; k < size; ++k) h[k] = 0.0;
-  flag = overlap > 0.0;
-  if (overlap > 0.0) h[slot::rest_overlap] = overlap;
+// Contact without history.
+void PairFloe::start_contact(int number) {
+  Ends &ends = contacts_.ends[number];
+  const int i = ends.i, j = ends.j(), lo = lower(i, j), hi = i + j - lo;
+  ends.marked_j |= Ends::mark;
+  const ContactConstants c =
+      contact_constants(contact, fix_->thickness[lo], fix_->thickness[hi], reduced_mass(i, j));
+  contacts_.rows[number] = {0.0, 0.0, c.stiffness, c.damping};
+  if (!ridging) return;
+  Ridge ridge{0.0, std::min(fix_->thickness[lo], fix_->thickness[hi]),
+              edge_share * 2.0 * std::min(atom->radius[lo], atom->radius[hi])};
+  contacts_.ridges[number] = {0.0, ridge.thickness, ridge.length, ridging_limit(ridge)};
 }
 
-}  // namespace
+void PairFloe::forget_contact(int number) { contacts_.ends[number].marked_j &= ~Ends::mark; }
 
-void PairFloe::list_bonds(PairGran *pg) {
-  const NeighList *list = pg->list, *past = pg->listgranhistory;
-  const int *tag = atom->tag;
-  const int size = pg->dnum();
-  batch_.clear();
-  rims_.clear();
-  for (int ii = 0; ii < list->inum; ++ii) {
-    const int i = list->ilist[ii], count = list->numneigh[i];
-    bool rim = false;
-    for (int jj = 0; jj < count; ++jj) {
-      const int j = list->firstneigh[i][jj] & NEIGHMASK;
-      double *h = past->firstdouble[i] + static_cast<std::ptrdiff_t>(size) * jj;
-      int *flag = past->firstneigh[i] + jj;
-      if (is_bond(*flag, h)) {
-        const bool i_low = tag[i] < tag[j];
-        batch_.add({h, flag, i_low ? i : j, i_low ? j : i, j < atom->nlocal ? 1.0 : 0.5});
-      } else {
-        rim = true;
-      }
-    }
-    if (rim) rims_.push_back(i);
-  }
-  stale_ = false;
+// With ridging a contact can reach across a gap, and a ridge stays where it was built. Whether this
+// one, whose discs do not overlap, makes force.
+bool PairFloe::across_gap(int number, double distance, double sum, bool advance) {
+  ContactRow &row = contacts_.rows[number];
+  if (!((sum - distance) - row.rest <= 0.0)) return true;
+  if (!advance) return false;
+  row.slip = 0.0;
+  // With a rest overlap below 0 ice reaches further than its disc: it is remembered.
+  if (contacts_.ridges[number].closing == 0.0 && row.rest >= 0.0) forget_contact(number);
+  return false;
+}
+
+PairFloe::Taken PairFloe::take_over(int number, double overlap, double force, double energy) {
+  const Place place = bonded_.places[number];
+  const BondBlock &block = bonded_.block(number);
+  const int lo = block.lo[number & 3], hi = block.hi[number & 3];
+  const double length = bonded_.at(BondBlock::length, number);
+  bonded_.remove(number);
+  // This rank's own element first, as in the lists.
+  const bool own = lo < atom->nlocal && (hi >= atom->nlocal || lo < hi);
+  contacts_.ends.push_back({own ? lo : hi, own ? hi : lo});
+  contacts_.rows.push_back({});
+  if (ridging) contacts_.ridges.push_back({});
+  contacts_.places.push_back(place);
+  const int contact_number = static_cast<int>(contacts_.ends.size()) - 1;
+  if (!(overlap > 0.0) && !(ridging && force > 0.0)) return {};
+  start_contact(contact_number);
+  ContactRow &row = contacts_.rows[contact_number];
+  row.rest = overlap;
+  if (!ridging || !(row.stiffness > 0.0)) return {};
+  RidgeRow &ridge = contacts_.ridges[contact_number];
+  ridge.length = length;
+  ridge.limit = ridging_limit({ridge.closing, ridge.thickness, ridge.length});
+  const double push = ridge_takeover(force, energy, ridge.limit, row.stiffness);
+  row.rest -= push / row.stiffness;
+  return {0.5 * push * push / row.stiffness, push};
 }
 
 // A bond that cracks or comes to the end of the neighbours' reach.
-template <bool Ridging>
-void PairFloe::bond_alone(const ListedBond &b, int size, bool advance, Losses &lost) {
-  double *h = b.history;
-  const Body &lo = bodies_[b.lo], &hi = bodies_[b.hi];
-  BondShape shape = bond_shape(h);
-  const BondConstants constants = bond_constants_at(h);
+template <bool Exact>
+void PairFloe::bond_alone(int number, Losses &lost) {
+  using B = BondBlock;
+  const auto at = [&](B::Column column) { return bonded_.at(column, number); };
+  const int lane = number & 3, i = bonded_.block(number).lo[lane],
+            j = bonded_.block(number).hi[lane];
+  const Body &lo = fix_->bodies[i], &hi = fix_->bodies[j];
+  BondShape shape{{at(B::lo_ax), at(B::lo_ay)},
+                  {at(B::lo_bx), at(B::lo_by)},
+                  {at(B::hi_ax), at(B::hi_ay)},
+                  {at(B::hi_bx), at(B::hi_by)},
+                  0.0,
+                  0.0,
+                  at(B::crack_a),
+                  at(B::crack_b)};
+  const BondConstants constants{at(B::length), at(B::ratio), at(B::damping), at(B::squeeze)};
   const BondPose pose{{hi.x - lo.x, hi.y - lo.y}, {lo.cos, lo.sin}, {hi.cos, hi.sin},
                       {hi.u - lo.u, hi.v - lo.v}, lo.spin,          hi.spin};
   const BondLine line = bond_line(shape, pose);
-  if (advance) {
+  const double share = at(B::share);
+  const auto elastic_power = [&] {  // by which the bond's energy falls, W
+    double none;
+    return pair_power(bond_force<false>(bond, constants, shape, line, pose, none), pose);
+  };
+  if (advance_) {
     const double sum = lo.radius + hi.radius, square = pose.d.x * pose.d.x + pose.d.y * pose.d.y;
-    if (square > limit2() * sum * sum) fix_->fault_at(b.lo, b.hi);
+    if (square > limit2() * sum * sum) fix_->fault_at(i, j);
     const BondShape before = shape;
+    const double power = elastic_power(), energy = bond_energy(bond, constants, before, line);
     if (bond_fracture(bond, constants, line, shape)) {
-      const bool counted = b.share == 1.0 || b.lo < atom->nlocal;
-      const double energy = bond_energy(bond, constants, before, line);
-      lost.fracture += b.share * (energy - bond_energy(bond, constants, shape, line));
+      const bool counted = share == 1.0 || i < atom->nlocal;
+      double kept = bond_energy(bond, constants, shape, line), power_kept = elastic_power();
       if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;
       if (counted && shape.broken()) lost.broken += 1.0;
-      h[slot::crack_a] = shape.crack_a;
-      h[slot::crack_b] = shape.crack_b;
+      bonded_.at(B::crack_a, number) = shape.crack_a;
+      bonded_.at(B::crack_b, number) = shape.crack_b;
       if (shape.broken()) {
-        stale_ = true;
-        const double overlap = sum - std::sqrt(square);
-        if constexpr (Ridging) {
-          const double push = -bond_normal_force(bond, constants, before, line);
-          lost.fracture -= b.share * take_over(*b.flag, h, b.lo, b.hi, overlap, push, energy);
-        } else {
-          break_bond(*b.flag, h, size, overlap);
-        }
-        return;
+        const double distance = std::sqrt(square);
+        const double push = -bond_normal_force(bond, constants, before, line);
+        const Taken taken = take_over(number, sum - distance, push, energy);
+        kept = taken.energy;
+        power_kept = taken.push * (pose.v.x * pose.d.x + pose.v.y * pose.d.y) / distance;
       }
+      // The force fell at the end of the step: half of its fall did no work on the way there.
+      const double late = 0.5 * update->dt * (power - power_kept);
+      lost.fracture += share * (energy - kept + late);
+      if (shape.broken()) return;
     }
   }
   double watt;
   const PairForce force = bond_force(bond, constants, shape, line, pose, watt);
-  lost.bond += b.share * watt;
-  loads_[b.lo].fx += force.f.x;
-  loads_[b.lo].fy += force.f.y;
-  loads_[b.lo].torque += force.torque_lo;
-  loads_[b.hi].fx -= force.f.x;
-  loads_[b.hi].fy -= force.f.y;
-  loads_[b.hi].torque += force.torque_hi;
+  add_load<Exact>(fix_->loads.data(), i, {force.f.x, force.f.y, force.torque_lo, 0.0});
+  add_load<Exact>(fix_->loads.data(), j, {-force.f.x, -force.f.y, force.torque_hi, 0.0});
+  if (!exact_losses) {
+    lost.bond += share * watt;
+    return;
+  }
+  BondLine still = line;
+  still.dn = still.dn_slope = still.dt = 0.0;
+  const PairForce part = bond_force(bond, constants, shape, still, pose, watt);
+  Load *damped = fix_->damped_bond.data();
+  add_load<false>(damped, i, {part.f.x, part.f.y, part.torque_lo, 0.0});
+  add_load<false>(damped, j, {-part.f.x, -part.f.y, part.torque_hi, 0.0});
 }
 
-template void PairFloe::bond_alone<true>(const ListedBond &, int, bool, Losses &);
-template void PairFloe::bond_alone<false>(const ListedBond &, int, bool, Losses &);
+template void PairFloe::bond_alone<true>(int, Losses &);
+template void PairFloe::bond_alone<false>(int, Losses &);
 
 }  // namespace floe

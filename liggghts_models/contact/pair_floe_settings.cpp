@@ -60,6 +60,10 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
       friction = flag(key);
     else if (key == "ridging")
       ridging = flag(key);
+    else if (key == "deterministic")
+      deterministic = flag(key);
+    else if (key == "exact_losses")
+      exact_losses = flag(key);
     else if (key == "ridge_force")
       ridge.start = number(key, true);
     else if (key == "ridge_hardening")
@@ -112,6 +116,7 @@ void PairFloe::init_granular() {
   fix_ = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
   if (!fix_) error->all(FLERR, "pair_style gran model floe needs fix floe/integrate");
   fix_->use_orientation = bonds;
+  fix_->pairs = this;
   if (neighbor->contactDistanceFactor > reach) reach = neighbor->contactDistanceFactor;
 }
 

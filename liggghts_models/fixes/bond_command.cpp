@@ -63,6 +63,7 @@ void BondCommand::command(int narg, char **arg) {
   const int size = parts.pair->dnum();
   double **x = atom->x, **omega = atom->omega;
   double made = 0.0;
+  parts.floe->write_history();
   for (int ii = 0; ii < list->inum; ++ii) {
     const int i = list->ilist[ii];
     for (int jj = 0; jj < list->numneigh[i]; ++jj) {
@@ -84,7 +85,6 @@ void BondCommand::command(int narg, char **arg) {
       put_end(h + slot::hi_bx, omega[hi][0], omega[hi][1], n, arm - span, half);
       h[slot::span] = span;
       h[slot::bond_thickness] = thickness;
-      parts.floe->finish_bond(h, i, j);
       if (span > parts.floe->reach * (ri + rj)) {
         error->one(FLERR, "floe_bonds: a bond is longer than the pair style's reach");
       }

@@ -9,10 +9,17 @@
 #ifndef LMP_FIX_FLOE_INTEGRATE_H
 #define LMP_FIX_FLOE_INTEGRATE_H
 
+#include <vector>
+
+#include "body.h"
 #include "drag.h"
 #include "fix.h"
 #include "forcing.h"
 #include "ledger.h"
+
+namespace floe {
+class PairFloe;
+}
 
 namespace LAMMPS_NS {
 
@@ -25,6 +32,9 @@ class FixFloeIntegrate : public Fix {
   int setmask() override;
   void init() override;
   void initial_integrate(int) override;
+  void setup_pre_exchange() override;
+  void pre_exchange() override;
+  void post_run() override;
 
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override;
@@ -47,6 +57,20 @@ class FixFloeIntegrate : public Fix {
   double *theta;        // rad
   double *ridged_area;  // m2, turned into ridges since the element was made
 
+  // What the pair style reads and adds up, of elements and ghosts: valid from one evaluation of the
+  // pairs to the next, in LIGGGHTS' order. The parts that damping has in the loads are there with
+  // exact_losses only.
+  std::vector<floe::Body> bodies;
+  std::vector<floe::Load> loads, damped_bond, damped_contact;
+  floe::PairFloe *pairs;  // null with another pair style
+  // No other fix sees forces or moves elements: the integrator takes the loads as they are and writes
+  // the bodies of the next step, and LIGGGHTS' arrays of forces are not touched.
+  bool fused;
+  void write_forces();  // into LIGGGHTS' arrays, for others to read
+  // Energy (J) that damping takes in the half of a step that leads from the present velocities, which
+  // belong to half a step ago, to those at the time of the positions.
+  floe::DampingWork damping_to_now() const;
+
   bool use_orientation;  // false where no bond needs cosine and sine
 
   floe::DriftLaw law;
@@ -58,9 +82,14 @@ class FixFloeIntegrate : public Fix {
  private:
   template <bool External>
   void advance();
+  template <bool External, bool Fused>
+  void advance_some(int first, int last, const floe::ForcingTime &, floe::Ledger &);
+  void count_damping(int i, floe::Vec2 u, floe::Vec2 u_new, double spin, double new_spin,
+                     floe::Ledger &) const;
   void parse(int narg, char **arg);
   void note_fault(int i, int kind, int partner, double speed);
   void freeze(int i, int kind, double speed);
+  bool first_kick;     // no step was made since the elements were set
   bool stop_at_fault;  // end the run; else keep the element where it is and let the driver ask
   double default_thickness, default_ice_area;
 };

@@ -207,32 +207,44 @@ inline double bond_normal_force(const BondMaterial &m, const BondConstants &c, c
 }
 
 // Exact integrals of the line force and of its moment about the midline's centre over the uncracked
-// part; dissipation (W) is what the damping takes.
-template <typename T>
+// part; dissipation (W) is what the damping takes. Not Damped: without its terms, in the code either.
+template <bool Damped = true, typename T>
 FLOE_INLINE PairForceOf<T> bond_force(const BondMaterial &m, const BondConstantsOf<T> &c,
                                       const BondShapeOf<T> &b, const BondLineOf<T> &line,
                                       const BondPoseOf<T> &p, T &dissipation) {
   const T kn = m.young * c.ratio, kt = m.shear * c.ratio;
-  const T cn = c.damping * m.root_young, ct = c.damping * m.root_shear;
-  // Relative velocity of the two bodies at the midline: a rigid rotation of the pair has none.
-  const VectorOf<T> v{p.v.x - p.spin_hi * line.arm_hi.y + p.spin_lo * line.arm_lo.y,
-                      p.v.y + p.spin_hi * line.arm_hi.x - p.spin_lo * line.arm_lo.x};
-  const T vn_slope = -(p.spin_hi - p.spin_lo) * line.mean_length;
   const T w = b.xi_hi() - b.xi_lo(), xm = 0.5 * (b.xi_lo() + b.xi_hi()) - 0.5;
-  const T vn = v.x * line.n.x + v.y * line.n.y + xm * vn_slope;
-  const T vt = v.x * line.t.x + v.y * line.t.y;
-  const T qn = kn * (line.dn + xm * line.dn_slope) + cn * vn;
-  const T qt = kt * line.dt + ct * vt;
-  const T slope = kn * line.dn_slope + cn * vn_slope;
   const T lw = c.length * w;
+  T qn = kn * (line.dn + xm * line.dn_slope), qt = kt * line.dt, slope = kn * line.dn_slope;
+  if constexpr (Damped) {
+    const T cn = c.damping * m.root_young, ct = c.damping * m.root_shear;
+    // Relative velocity of the two bodies at the midline: a rigid rotation of the pair has none.
+    const VectorOf<T> v{p.v.x - p.spin_hi * line.arm_hi.y + p.spin_lo * line.arm_lo.y,
+                        p.v.y + p.spin_hi * line.arm_hi.x - p.spin_lo * line.arm_lo.x};
+    const T vn_slope = -(p.spin_hi - p.spin_lo) * line.mean_length;
+    const T vn = v.x * line.n.x + v.y * line.n.y + xm * vn_slope;
+    const T vt = v.x * line.t.x + v.y * line.t.y;
+    qn += cn * vn;
+    qt += ct * vt;
+    slope += cn * vn_slope;
+    dissipation = lw * (cn * (vn * vn + vn_slope * vn_slope * w * w / 12.0) + ct * vt * vt);
+  } else {
+    dissipation = T{};
+  }
   const T fn = lw * qn, ft = lw * qt;
   const T moment = -line.mean_length * lw * (xm * qn + slope * w * w / 12.0);
-  dissipation = lw * (cn * (vn * vn + vn_slope * vn_slope * w * w / 12.0) + ct * vt * vt);
   PairForceOf<T> out;
   out.f = {fn * line.n.x + ft * line.t.x, fn * line.n.y + ft * line.t.y};
   out.torque_lo = cross(line.arm_lo, out.f) + moment;
   out.torque_hi = -cross(line.arm_hi, out.f) - moment;
   return out;
+}
+
+// What a force does to the two bodies, W: below 0 where it takes energy from their motion.
+template <typename T>
+FLOE_INLINE T pair_power(const PairForceOf<T> &force, const BondPoseOf<T> &p) {
+  return force.torque_lo * p.spin_lo + force.torque_hi * p.spin_hi -
+         (force.f.x * p.v.x + force.f.y * p.v.y);
 }
 
 // Compressive strength of ice of thickness h (m) after Kovacs & Sodhi, Pa.

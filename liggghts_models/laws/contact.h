@@ -44,8 +44,9 @@ using ContactConstants = ContactConstantsOf<double>;
 
 template <typename T>
 struct ContactLossOf {
-  T damping;   // W
-  T friction;  // J, over the step
+  T damping;          // W
+  T friction;         // J, over the step
+  T normal, tangent;  // N, what damping adds to the push and to the tangential force
 };
 using ContactLoss = ContactLossOf<double>;
 
@@ -77,24 +78,29 @@ FLOE_INLINE T effective_overlap(const ContactPoseOf<T> &p, T &rest_overlap) {
   return overlap - rest_overlap;
 }
 
+// With Friction, Ridging or Damped off their terms are not there, in the code either.
 // slip is the history: the elastic tangential displacement, m; step the time over which it advances
 // (0: only evaluate). With Ridging the normal force, damping included, stays below the limit (N),
 // or at the elastic force where that alone is above it.
-template <bool Friction, bool Ridging = false, typename T>
+template <bool Friction, bool Ridging = false, bool Damped = true, typename T>
 FLOE_INLINE ContactForceOf<T> contact_force(const ContactMaterial &m,
                                             const ContactConstantsOf<T> &c,
                                             const ContactPoseOf<T> &p, T overlap, double step,
                                             T &slip, ContactLossOf<T> &loss, T ridging = T{}) {
   const T inv = 1.0 / p.distance, none{};
   const VectorOf<T> n{p.d.x * inv, p.d.y * inv};
-  const T vn = p.v.x * n.x + p.v.y * n.y;
   const T elastic = c.stiffness * overlap;
-  T push = elastic - c.damping * vn;
+  T push = elastic, vn{};
+  if constexpr (Damped) {
+    vn = p.v.x * n.x + p.v.y * n.y;
+    push = elastic - c.damping * vn;
+  }
   // What is not finite must come through: the order of the arguments keeps a NaN.
   if constexpr (Ridging) push = smaller(push, larger(elastic, ridging));
   const T fn = larger(push, none);
-  loss.damping = (elastic - fn) * vn;
-  loss.friction = none;
+  loss.normal = fn - elastic;
+  loss.damping = Damped ? -loss.normal * vn : none;
+  loss.friction = loss.tangent = none;
   if constexpr (!Friction) return {{-fn * n.x, -fn * n.y}, none, none};
   // The levers add up to the distance of the centres, else angular momentum would be lost.
   const T share = p.distance / (p.radius_one + p.radius_two);
@@ -102,18 +108,22 @@ FLOE_INLINE ContactForceOf<T> contact_force(const ContactMaterial &m,
   const T turning = p.spin_one * arm_one + p.spin_two * arm_two;
   const T vt = (p.v.y * n.x - p.v.x * n.y) - turning;
   const T kt = m.shear_ratio * c.stiffness, limit = m.friction * fn;
-  const T trial = slip + vt * step;
+  const T before = slip, trial = slip + vt * step;
   slip = trial;
   if (any(magnitude(kt * trial) > limit)) {
     const auto slides = magnitude(kt * trial) > limit;
     const T cap = limit / kt;
     slip = slides ? (trial < none ? -cap : cap) : trial;
-    loss.friction = slides ? (trial - slip) * (kt * slip) : none;
+    // Force before and after: their mean over the way that was slid.
+    loss.friction = slides ? (trial - slip) * (kt * 0.5 * (before + slip)) : none;
   }
-  const T spring = kt * slip;
-  const T viscous = m.damping_ratio * c.damping * vt;
-  const T ft = larger(smaller(spring + viscous, limit), -limit);
-  loss.damping += (ft - spring) * vt;
+  T ft = kt * slip;
+  if constexpr (Damped) {
+    const T viscous = m.damping_ratio * c.damping * vt, spring = ft;
+    ft = larger(smaller(spring + viscous, limit), -limit);
+    loss.tangent = ft - spring;
+    loss.damping += loss.tangent * vt;
+  }
   return {{-fn * n.x - ft * n.y, -fn * n.y + ft * n.x}, arm_one * ft, arm_two * ft};
 }
 

@@ -39,16 +39,42 @@ FLOE_INLINE Pack4 magnitude(Pack4 a) {
 }
 
 FLOE_INLINE double root(double a) { return std::sqrt(a); }
+FLOE_INLINE bool any(bool m) { return m; }
+#if defined(__x86_64__)
+// One instruction each. Written down, because a law is inlined into code for wider packs than the
+// compiler may use where the law stands.
+FLOE_INLINE Pack2 root(Pack2 a) {
+  asm("sqrtpd %1, %0" : "=x"(a) : "x"(a));
+  return a;
+}
+FLOE_INLINE Pack4 root(Pack4 a) {
+  asm("vsqrtpd %1, %0" : "=x"(a) : "x"(a));
+  return a;
+}
+FLOE_INLINE int lanes(Mask2 m) {
+  int out;
+  asm("movmskpd %1, %0" : "=r"(out) : "x"(m));
+  return out;
+}
+FLOE_INLINE int lanes(Mask4 m) {
+  int out;
+  asm("vmovmskpd %1, %0" : "=r"(out) : "x"(m));
+  return out;
+}
+FLOE_INLINE bool any(Mask2 m) { return lanes(m) != 0; }
+FLOE_INLINE bool any(Mask4 m) { return lanes(m) != 0; }
+FLOE_INLINE bool all(Mask2 m) { return lanes(m) == 3; }
+FLOE_INLINE bool all(Mask4 m) { return lanes(m) == 15; }
+#else
 FLOE_INLINE Pack2 root(Pack2 a) { return Pack2{std::sqrt(a[0]), std::sqrt(a[1])}; }
+FLOE_INLINE bool any(Mask2 m) { return (m[0] | m[1]) != 0; }
+FLOE_INLINE bool all(Mask2 m) { return (m[0] & m[1]) != 0; }
 FLOE_INLINE Pack4 root(Pack4 a) {
   return Pack4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }
-
-FLOE_INLINE bool any(bool m) { return m; }
-FLOE_INLINE bool any(Mask2 m) { return (m[0] | m[1]) != 0; }
 FLOE_INLINE bool any(Mask4 m) { return ((m[0] | m[1]) | (m[2] | m[3])) != 0; }
-FLOE_INLINE bool all(Mask2 m) { return (m[0] & m[1]) != 0; }
 FLOE_INLINE bool all(Mask4 m) { return ((m[0] & m[1]) & (m[2] & m[3])) != 0; }
+#endif
 
 template <typename P>
 FLOE_INLINE P load_pack(const double *from) {

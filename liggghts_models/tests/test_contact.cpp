@@ -69,18 +69,21 @@ TEST_CASE("contact: friction is capped, keeps its direction and conserves angula
   ContactLoss loss;
   const ContactPose pose = head_on(2.0, 0.0, 0.7);
   ContactForce f{};
-  double sum = 0.0;
+  double sum = 0.0, work = 0.0;
   for (int k = 0; k < 400; ++k) {
+    const double before = f.f.y;
     f = contact_force<true>(m, c, pose, 2.0, 0.1, slip, loss);
     sum += loss.friction;
+    work += 0.07 * 0.5 * (before + f.f.y);
     // two slides upwards and drags one with it, never more than Coulomb's share
     CHECK(f.f.y > 0.0);
     CHECK(f.f.y <= m.friction * -f.f.x * (1 + 1e-15));
   }
   CHECK(f.f.y == doctest::Approx(m.friction * 2.0 * c.stiffness));
-  // friction took the slid distance times the force
   const double stick = m.friction * 2.0 / m.shear_ratio;
-  CHECK(sum == doctest::Approx(f.f.y * (400 * 0.07 - stick)).epsilon(1e-12));
+  // friction took the work of the force over the whole way but for what the spring holds
+  const double spring = 0.5 * m.shear_ratio * c.stiffness * slip * slip;
+  CHECK(sum == doctest::Approx(work - spring).epsilon(1e-12));
   CHECK(f.torque_one + f.torque_two - cross(pose.d, f.f) ==
         doctest::Approx(0.0).epsilon(1e-12).scale(f.torque_one));
   // Reversal: the spring unloads from the cap, it does not jump.

@@ -88,7 +88,8 @@ TEST_CASE("extremes: contacts push within their law's bound") {
                         {random(-3, 3), random(-3, 3)},
                         random(-1e-2, 1e-2),
                         random(-1e-2, 1e-2)};
-    double slip = random(-100, 100);
+    const double before = random(-100, 100);
+    double slip = before;
     ContactLoss loss;
     const ContactForce f = contact_force<true>(m, c, p, overlap, 0.1, slip, loss);
     CHECK(finite(f.f));
@@ -97,7 +98,8 @@ TEST_CASE("extremes: contacts push within their law's bound") {
     const double normal = -(f.f.x * n.x + f.f.y * n.y), side = cross(n, f.f);
     CHECK(normal >= -1e-9 * c.stiffness * overlap);
     CHECK(std::fabs(side) <= m.friction * normal * (1 + 1e-9) + 1e-9 * c.stiffness * overlap);
-    CHECK(loss.friction >= 0.0);
+    // A spring that is turned round within the step gives back what it held.
+    if (before * slip >= 0.0) CHECK(loss.friction >= 0.0);
   }
 }
 

@@ -51,14 +51,15 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     path = session.config.getoption("--record", default=None)
     if path:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
-        Path(path).write_text(json.dumps(session.config.stash[_SHOWN], indent=1) + "\n")
+        shown = json.dumps(session.config.stash[_SHOWN], indent=1, default=float)
+        Path(path).write_text(shown + "\n")
 
 
 @pytest.fixture
 def record(request: pytest.FixtureRequest) -> Record:
     """Keep figures for the table of hard cases."""
 
-    def keep(**figures: float | str) -> None:
+    def keep(**figures: object) -> None:
         request.node.user_properties.extend(figures.items())
 
     return keep

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import stability_figures as figures
 from mpi4py import MPI
 from packs import PACKS, neighbours, shaken
 from watch import watch
@@ -24,6 +23,7 @@ from floeflow.dynamics.energycheck import stored_energy
 from floeflow.dynamics.engine import Engine, EngineError, EngineParams
 from floeflow.dynamics.timestep import critical_step
 from floeflow.errors import FloeError
+from floeflow.studies.stability_figure import stability_map
 
 # Contacts hardly matter, so that the bonds' limit is seen alone at any stiffness.
 LAWS = EngineParams(
@@ -108,7 +108,9 @@ def test_the_stability_map(log: Path, record, show):
     every = np.array(list(found.values()))
     at_default = every[:, dampings.index(0.1)]
     record(least=every.min(), most=every.max(), default_over_largest=DEFAULT / at_default.max())
-    show("stability_map", figures.stability_map, found, dampings, DEFAULT)
+    lines = [[name, young, shares] for (name, young), shares in found.items()]
+    record(map={"dampings": dampings, "lines": lines, "default": DEFAULT})
+    show("stability_map", stability_map, found, dampings, DEFAULT)
     assert every.min() > 0.95
     assert DEFAULT / at_default.max() >= 0.6
 

@@ -17,10 +17,12 @@ def test_every_scheme_is_timed(project: Path) -> None:
     try:
         layered = bench.time_layered("bl99", "summer", 30, 1, 2)
         mushy = bench.time_layered("mushy", "winter", 30, 1, 2)
+        ponds = bench.time_layered("mushy_ponds", "summer", 30, 1, 2)
     finally:
         numba.set_num_threads(threads)
     flat = bench.time_zero_layer("winter", 30, 2)
-    for record, scheme in ((layered, "bl99"), (mushy, "mushy"), (flat, "zero_layer")):
+    timed = {"bl99": layered, "mushy": mushy, "mushy_ponds": ponds, "zero_layer": flat}
+    for scheme, record in timed.items():
         data = record.as_dict()
         assert data["scheme"] == scheme and data["n"] == 30 and data["repeats"] == 2
         work = 30 * data["steps"]

@@ -137,7 +137,10 @@ def test_a_bond_that_breaks_in_compression_goes_on_as_a_contact(log: Path) -> No
     length, squeeze = table["length"][0], 2.1
     energy = 0.5 * params.young_modulus * length / 2100.0 * squeeze**2
     assert sums["elastic_contact"] == pytest.approx(energy, rel=2e-2)
-    assert abs(sums["dissipation_fracture"]) < 1e-12 * energy
+    # No energy is lost: only the force falls, and half of its fall did no work in the last step.
+    stiffness = 0.5 * params.contact_modulus
+    fall = params.young_modulus * length / 2100.0 * squeeze - math.sqrt(2 * stiffness * energy)
+    assert sums["dissipation_fracture"] == pytest.approx(-0.5 * fall * 0.01, rel=2e-2)
     # And from there up to the ridging force.
     with Engine(SELF, params, log) as engine:
         engine.load(state, None, contacts)

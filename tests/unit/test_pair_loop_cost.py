@@ -22,8 +22,16 @@ def inclusive_counts(counts: Path) -> dict[str, int]:
     return {name: int(number.replace(",", "")) for number, name in found}
 
 
-def count(folder: Path, steps: int) -> tuple[int, int]:
-    """Instructions of the pair style's loop and of the one by hand over a number of steps."""
+# What is run, the pair style's function and what is on in it, and that by hand.
+LOOPS = {
+    "push": r"PairFloe::loop_contacts<floe::ContactTerms<false, false, \(floe::Damping\)1, false",
+    "rub": r"PairFloe::loop_contacts<floe::ContactTerms<true, false, \(floe::Damping\)0, false",
+    "stretch": r"evaluate_bonds<\(floe::Damping\)0, false>",
+}
+
+
+def count(folder: Path, steps: int) -> dict[str, tuple[int, int]]:
+    """Instructions of the pair style's loops and of those by hand over a number of steps."""
     program, counts = plugin_path().with_name("count_loop"), folder / f"counts.{steps}"
     command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={counts}", str(program)]
     done = subprocess.run(
@@ -31,15 +39,28 @@ def count(folder: Path, steps: int) -> tuple[int, int]:
     )
     assert done.returncode == 0, done.stdout + done.stderr
     functions = inclusive_counts(counts)
-    (own,) = [n for name, n in functions.items() if "PairFloe::loop_contacts<false>" in name]
-    return own, functions["loop_by_hand"]
+    out = {}
+    for loop, pattern in LOOPS.items():
+        (own,) = [n for name, n in functions.items() if re.search(pattern, name)]
+        out[loop] = own, functions[f"{loop}_by_hand"]
+    return out
 
 
-def test_without_friction_and_bonds_the_loop_is_as_short_as_one_by_hand(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def counts(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, tuple[int, int]]]:
     if shutil.which("valgrind") is None:
         pytest.skip("valgrind, which counts the instructions, is not installed")
+    folder = tmp_path_factory.mktemp("counts")
+    return [count(folder, steps) for steps in (2, 22)]
+
+
+@pytest.mark.parametrize("loop", LOOPS)
+def test_what_is_off_costs_nothing_in_the_loop(
+    counts: list[dict[str, tuple[int, int]]], loop: str
+) -> None:
+    """Contacts with damping alone, with friction alone, and bonds without damping."""
     # The difference leaves out what the first contact of a pair costs.
-    few, many = count(tmp_path, 2), count(tmp_path, 22)
-    own, by_hand = many[0] - few[0], many[1] - few[1]
+    (own, by_hand), (few, few_by_hand) = counts[1][loop], counts[0][loop]
+    own, by_hand = own - few, by_hand - few_by_hand
     assert by_hand > 0
     assert own == pytest.approx(by_hand, rel=0.01)

@@ -21,7 +21,7 @@ from floeflow.dynamics.engine import Engine, EngineParams
 from floeflow.dynamics.refreeze import freeze, heal, refreeze, thicken
 from floeflow.state import read_state, write_state
 
-EFFECTS = ("friction", "bonds", "ridging", "refreeze", "thermodynamics")
+EFFECTS = ("friction", "bonds", "ridging", "refreeze", "thermodynamics", "snow")
 PULL = EngineParams(
     time_step=0.02, bonds=True, friction=False, bond_damping=0.0, compressive_strength=1e6,
     tensile_share=0.1,

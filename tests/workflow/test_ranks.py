@@ -36,6 +36,24 @@ def positions(state: xr.Dataset) -> np.ndarray:
     return np.column_stack([state["x"].values, state["y"].values])
 
 
+def test_deterministic_windows_have_the_same_bits(smoke: Done, copy: Callable[[], Place]):
+    changes = {
+        "time": {"windows": 2, "window": SHORT / 2},
+        "forcing": {"step": SHORT / 2},
+        "dynamics": {"samples": 1, "deterministic": True},
+    }
+    states = []
+    for ranks in (1, 2):
+        place, last = restarted(copy, ranks, **changes)
+        states.append(read_state(place.folder / last).load())
+        shutil.rmtree(place.folder)
+    one, two = states
+    assert one.sizes["bond"] > 0 and one.sizes["contact"] > 0
+    assert set(one.variables) == set(two.variables)
+    for name in one.variables:
+        np.testing.assert_array_equal(two[name].values, one[name].values, err_msg=name)
+
+
 def test_the_first_thousand_steps_agree(smoke: Done, copy: Callable[[], Place]):
     changes = {
         "time": {"windows": 1, "window": SHORT},

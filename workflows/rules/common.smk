@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What all rules share: the run, its groups of windows, and the inputs that depend on them."""
 
+import sys
+from pathlib import Path
+
 from floeflow.config import stage_hash
 from floeflow.frontdoor import PLUGIN, open_scene
 from floeflow.studies.plans import STUDIES, study_variants
@@ -8,6 +11,10 @@ from floeflow.studies.plans import STUDIES, study_variants
 RUN = open_scene(config, workflow)
 EFFECTS = RUN.scene.effects
 GRIDDED = "grid_output" in EFFECTS
+HARD_CASES_FOLDER = Path(workflow.basedir) / "tests/stability"
+HARD_CASES = sorted(
+    path.stem.removeprefix("test_") for path in HARD_CASES_FOLDER.glob("test_*.py")
+)
 
 
 def keys_of(*stages):

@@ -51,7 +51,8 @@ def physics(shared: Path, case: str) -> Physics:
         mushy=name["ktherm"] == "2",
         bubbly=name["conduct"] == "bubbly",
         least_thickness=0.1 if found["ncat"] == 1 else number("hi_min"),
-        delta_eddington=name["shortwave"] == "dEdd",
+        # With ponds Icepack's driver takes this light whatever is asked for.
+        delta_eddington=name["shortwave"] == "dEdd" or switch("tr_pond_lvl"),
         redistribute_light=switch("sw_redist"),
         ponds=switch("tr_pond_lvl"),
         pond_lids=name["frzpnd"] == "hlid",
@@ -112,7 +113,9 @@ def as_state(
         level[name] = np.zeros_like(level["pond_lid"])
         if part is not None:
             level[name] = data[key].values[part]
-    return LayeredState(*values.values(), sea, pending, **level)
+    # Cases without level ice record none: there all ice is level.
+    known = level if level["level_area"].any() else {}
+    return LayeredState(*values.values(), sea, pending, **known)
 
 
 def forcing(data: xr.Dataset) -> dict[str, Array]:

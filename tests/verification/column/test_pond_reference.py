@@ -91,7 +91,7 @@ def test_ten_years_run_freely(shared: Path) -> None:
     p, bounds = physics(shared, CASE), category_bounds(5)
     forcing = year(open_case(shared, CASE, "forcing_y01.nc"))
     daily = open_case(shared, CASE, "agg_daily_all.nc")
-    volume, area, snow, water, light = np.zeros((5, 10 * YEAR))
+    volume, area, snow, water, light, flooded = np.zeros((6, 10 * YEAR))
     for day in range(10 * YEAR):
         hour = 24 * (day % YEAR)
         before, _ = step(state, forcing[hour : hour + 23], DT, bounds, p)
@@ -99,6 +99,7 @@ def test_ten_years_run_freely(shared: Path) -> None:
         assert abs(ice_residual(before, state, sums)[0]) < 1e-8 * DT
         volume[day], area[day] = state.ice_volume.sum(), state.ice_fraction.sum()
         snow[day], water[day] = state.snow_volume.sum(), ponded(state)
+        flooded[day] = sums["snow_ice"][0]
         light[day] = (sums["light_absorbed"] + sums["light_to_sea"])[0] / DT
     theirs = daily["s2_vice"].values
     last = slice(-YEAR, None)
@@ -110,6 +111,11 @@ def test_ten_years_run_freely(shared: Path) -> None:
     assert worst(volume[:195], theirs[:195]) < 1e-4
     assert worst(area, daily["s2_aice"].values) < 0.01
     assert worst(snow, daily["s2_vsno"].values) < 1e-3
+
+    # Snow floods on a month of days in the first autumn, the only ones that are recorded.
+    recorded = daily["snoice"].values[:YEAR]
+    assert np.array_equal(flooded[:YEAR] > 0.0, recorded > 0.0) and (recorded > 0.0).sum() == 30
+    assert abs(flooded[:YEAR].sum() / recorded.sum() - 1.0) < 0.02
 
     # Asked: onset of ponds within 5 days, here that of their water and of their sight.
     onset = int(np.argmax(water[:YEAR] > POND))

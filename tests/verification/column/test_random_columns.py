@@ -14,6 +14,7 @@ from floeflow.column.layered import (
     ice_energy,
     ice_residual,
     pack_forcing,
+    pond_residual,
     salt_residual,
     sea_residual,
     step,
@@ -82,6 +83,25 @@ def draw_mush(seed: int, n: int, categories: int, melting: bool) -> LayeredState
     )
 
 
+def draw_ponds(seed: int, state: LayeredState) -> LayeredState:
+    """Level ice, ponds of up to 2 m with lids, and snow on the lids, on the ice of a state."""
+    rng = np.random.default_rng(seed + 3)
+    shape = state.ice_fraction.shape
+    there = state.ice_fraction > 0.0
+    wet = there & (rng.random(shape) < 0.6)
+    flat = np.where(rng.random(shape) < 0.5, 1.0, rng.uniform(0.0, 1.0, shape))
+    return replace(
+        state,
+        level_area=flat * there,
+        level_volume=np.where(flat < 1.0, rng.uniform(0.0, 1.0, shape), 1.0) * there,
+        pond_area=np.where(rng.random(shape) < 0.3, 1.0, rng.uniform(0.0, 1.0, shape)) * wet,
+        pond_depth=10 ** rng.uniform(-8.0, 0.3, shape) * wet,
+        pond_lid=np.where(rng.random(shape) < 0.5, 10 ** rng.uniform(-6.0, 0.0, shape), 0.0) * wet,
+        lid_snow=np.where(rng.random(shape) < 0.3, rng.uniform(0.0, 0.3, shape), 0.0) * wet,
+        lid_share=np.where(rng.random(shape) < 0.3, rng.uniform(0.0, 1.0, shape), 0.0) * wet,
+    )
+
+
 def draw_weather(seed: int, n: int, warm: bool) -> np.ndarray:
     """Air of -60 to 15 degC, 0 to 800 W/m2 of sun."""
     rng = np.random.default_rng(seed + 1)
@@ -99,6 +119,10 @@ def draw_weather(seed: int, n: int, warm: bool) -> np.ndarray:
         "deep_heat": rng.uniform(-5.0, 50.0, n),
         "mixed_depth": np.full(n, DEPTH),
         "ocean_friction": rng.uniform(0.0, 0.02, n),
+        "rain": np.where(rng.random(n) < 0.3, rng.uniform(0.0, 1e-3, n), 0.0),
+        "diffuse_visible": rng.uniform(0.0, 1.0, n),
+        "diffuse_infrared": rng.uniform(0.0, 1.0, n),
+        "sun_height": rng.uniform(-1.0, 1.0, n),
     }
     return pack_forcing(values, 1, n)
 
@@ -117,9 +141,16 @@ def sound(state: LayeredState) -> None:
     assert (state.ice_enthalpy[there] < 0.0).all()
     assert (state.ice_salinity[there] > 0.0).all() and (state.ice_salinity < 60.0).all()
     assert (state.ice_enthalpy > -5e8).all()
+    for name in ("level_area", "level_volume", "pond_area", "lid_share"):
+        share = getattr(state, name)
+        assert share.min() >= 0.0 and share.max() <= 1.0 + 1e-12, name
+    for name in ("pond_depth", "pond_lid"):
+        assert getattr(state, name).min() >= 0.0, name
+    # Water stands on ponds, and lids float on it.
+    assert (state.pond_depth[state.pond_area == 0.0] == 0.0).all()
 
 
-@settings(max_examples=60)
+@settings(max_examples=100)
 @given(
     seed=st.integers(0, 2**31),
     categories=st.sampled_from([1, 2, 5]),
@@ -127,12 +158,33 @@ def sound(state: LayeredState) -> None:
     melting=st.booleans(),
     warm=st.booleans(),
     dt=st.sampled_from([60.0, 3600.0, 86400.0]),
+    scattered=st.booleans(),
+    redistributed=st.booleans(),
+    ponds=st.sampled_from(["none", "spread", "keep", "no lids"]),
 )
 def test_any_column(
-    seed: int, categories: int, mushy: bool, melting: bool, warm: bool, dt: float
+    seed: int,
+    categories: int,
+    mushy: bool,
+    melting: bool,
+    warm: bool,
+    dt: float,
+    scattered: bool,
+    redistributed: bool,
+    ponds: str,
 ) -> None:
-    n, p = 200, P._replace(mushy=mushy)
+    n = 200
+    p = P._replace(
+        mushy=mushy,
+        delta_eddington=scattered,
+        redistribute_light=redistributed,
+        ponds=ponds != "none",
+        ponds_cover_level=ponds == "spread",
+        pond_lids=ponds != "no lids",
+    )
     before = (draw_mush if mushy else draw_columns)(seed, n, categories, melting)
+    if p.ponds:
+        before = draw_ponds(seed, before)
     forcing, bounds = draw_weather(seed, n, warm), category_bounds(categories)
     after, sums = step(before, forcing, dt, bounds, p)
     sound(after)
@@ -147,6 +199,11 @@ def test_any_column(
     if mushy:
         assert np.abs(salt_residual(before, after, sums)).max() < 1e-12
     assert (sums["rescued"] <= sums["solves"]).all()
+    assert np.abs(pond_residual(before, after, sums)).max() < 1e-14
+    light = forcing[0, :, 5] + forcing[0, :, 6]
+    shone = sums["light_absorbed"] + sums["light_to_sea"]
+    assert (shone <= light * before.ice_fraction.sum(axis=1) * dt * (1.0 + 1e-12)).all()
+    assert (shone >= 0.0).all()
 
     part = slice(n // 3, n // 2)
     alone, _ = step(take(before, part), forcing[:, part], dt, bounds, p)

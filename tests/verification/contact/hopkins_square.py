@@ -8,6 +8,7 @@ radii of 3 to 5 km. As a script under mpirun it runs the case in two parts for t
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -103,10 +104,10 @@ def exponent(sizes: np.ndarray, smallest: int) -> tuple[float, float, int]:
     return float(alpha), float((alpha - 1) / np.sqrt(len(tail))), len(tail)
 
 
-def main(out: Path, side: float, start: Path | None) -> None:
+def main(out: Path, side: float, start: Path | None, deterministic: bool) -> None:
     """Write the state after 300 and after 1000 steps, or after 1000 from `start`."""
     elements, bonds = square(1, side)
-    params = stable(elements, bonds)
+    params = replace(stable(elements, bonds), deterministic=deterministic)
     state: list[Arrays | None] = [elements, bonds, None]
     kinds = ("element", "bond", "contact")
     if start is not None:
@@ -138,4 +139,7 @@ def main(out: Path, side: float, start: Path | None) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), float(sys.argv[2]), Path(sys.argv[3]) if len(sys.argv) > 3 else None)
+    folder, width, *more = sys.argv[1:]
+    exact = "deterministic" in more
+    begin = [Path(word) for word in more if word != "deterministic"]
+    main(Path(folder), float(width), begin[0] if begin else None, exact)

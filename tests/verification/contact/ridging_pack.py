@@ -19,7 +19,7 @@ from floeflow.dynamics.ridging import close_areas
 from floeflow.state.schema import check_state
 
 LEAST = 1e-3  # m, of ice that is given a mass
-EFFECTS = ("friction", "ridging", "thermodynamics")
+EFFECTS = ("friction", "ridging", "thermodynamics", "snow")
 CELL = 2 * math.sqrt(3)  # area of a hexagon over the squared radius of the circle inside it
 
 Watch = Callable[[xr.Dataset, dict[str, float]], None]

@@ -85,11 +85,14 @@ def test_exponent_of_aggregate_sizes_over_ten_seeds(log: Path, show) -> None:
 Result = dict[str, np.ndarray]
 
 
-def on_ranks(folder: Path, ranks: int, side: float, start: Path | None = None) -> dict[int, Result]:
+def on_ranks(
+    folder: Path, ranks: int, side: float, start: Path | None = None, deterministic: bool = False
+) -> dict[int, Result]:
     folder.mkdir(parents=True)
     here = Path(__file__).parent
     command = ["mpirun", "-n", str(ranks), sys.executable, str(here / "hopkins_square.py")]
     command += [str(folder), str(side)] + ([str(start)] if start else [])
+    command += ["deterministic"] if deterministic else []
     path = os.pathsep.join([str(here), os.environ.get("PYTHONPATH", "")])
     environment = mpi_environment() | {"PYTHONPATH": path}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
@@ -128,6 +131,28 @@ def test_one_and_two_ranks_agree_over_1000_steps(ranks: dict[int, dict[int, Resu
     assert ((cut["bond.crack_a"] + cut["bond.crack_b"]) > 0).sum() > 20
     for step in (case.CUT, case.LAST):
         same_ice(ranks[1][step], ranks[2][step])
+
+
+def same_bits(one: Result, two: Result) -> None:
+    assert one.keys() == two.keys()
+    for name, values in one.items():
+        np.testing.assert_array_equal(two[name], values, err_msg=name)
+
+
+@pytest.mark.mpi
+def test_deterministic_sums_give_the_same_bits_on_any_ranks(
+    ranks: dict[int, dict[int, Result]], tmp_path: Path
+) -> None:
+    runs = {n: on_ranks(tmp_path / str(n), n, SHORT, deterministic=True) for n in (1, 2, 4)}
+    for n in (2, 4):
+        for step in (case.CUT, case.LAST):
+            same_bits(runs[1][step], runs[n][step])
+    # And the same ice as without.
+    same_ice(ranks[1][case.CUT], runs[1][case.CUT])
+    state = tmp_path / "state.npz"
+    np.savez(state, **runs[4][case.CUT])
+    again = on_ranks(tmp_path / "again", 2, SHORT, state, deterministic=True)
+    same_bits(runs[1][case.LAST], again[case.LAST])
 
 
 @pytest.mark.mpi

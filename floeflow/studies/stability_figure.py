@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Figures of the hard cases."""
+"""Figures of the hard cases: the stability map, and energy that no term accounts for."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 MARKS = "osD^v"
+# Share of the energy that the budget may miss at the default step.
+LIMIT = 0.02
 
 
 def stability_map(
@@ -36,4 +38,18 @@ def stability_map(
     axes.set_ylabel("largest stable step / critical step")
     axes.set_ylim(0.0, None)
     axes.legend(fontsize=7, ncols=2)
+    return figure
+
+
+def residual_figure(residuals: Mapping[str, float]) -> Figure:
+    """Energy not accounted for in each test that has a budget, on a logarithmic axis."""
+    figure, axes = plt.subplots(figsize=(7.5, 1.2 + 0.24 * len(residuals)), layout="constrained")
+    names = list(residuals)[::-1]
+    axes.plot([max(residuals[n], 1e-17) for n in names], names, "ko", markersize=5)
+    axes.axvline(LIMIT, color="black", linewidth=1.0, linestyle="--")
+    axes.annotate(" limit", (LIMIT, 0.0), xycoords=("data", "axes fraction"), va="bottom")
+    axes.set_xscale("log")
+    axes.set_xlabel("energy not accounted for / energy there or moved")
+    axes.tick_params(axis="y", labelsize=7)
+    axes.grid(axis="x", alpha=0.3)
     return figure

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Page of the hard cases: what each one showed, in one table and two figures."""
+
+import json
+import logging
+from pathlib import Path
+from typing import Any
+
+from floeflow import stage
+from floeflow.postprocess.report import write_text
+from floeflow.studies.page import Table, as_markdown, cell, draw, render_study
+from floeflow.studies.stability_figure import residual_figure, stability_map
+
+LEAD = (
+    "Each hard case must stay finite, lose nothing, make no energy and keep its bounds. Why each "
+    "is hard and what must hold in it is told in docs/stability.md."
+)
+Shown = dict[str, Any]
+
+
+def case_table(shown: list[Shown]) -> Table:
+    """Row for each test: case, what it shows, outcome, figures."""
+    rows = []
+    for entry in shown:
+        figures = {name: v for name, v in entry["figures"].items() if isinstance(v, int | float)}
+        said = ", ".join(f"{name.replace('_', ' ')} {cell(v)}" for name, v in figures.items())
+        what = entry["what"].splitlines()[0].rstrip(".")
+        place = entry["test"].partition("[")[2].rstrip("]")
+        rows.append(
+            (entry["module"], f"{what} ({place})" if place else what, entry["outcome"], said)
+        )
+    return Table("Hard cases", ("case", "what", "outcome", "figures"), rows)
+
+
+def sentences(shown: list[Shown]) -> list[str]:
+    """How many there are and how they ended."""
+    modules = {entry["module"] for entry in shown}
+    ended: dict[str, int] = {}
+    for entry in shown:
+        ended[entry["outcome"]] = ended.get(entry["outcome"], 0) + 1
+    said = ", ".join(f"{count} {name}" for name, count in sorted(ended.items()))
+    out = [f"{len(modules)} cases with {len(shown)} tests: {said}."]
+    shares = [
+        e["figures"]["default_over_largest"]
+        for e in shown
+        if "default_over_largest" in e["figures"]
+    ]
+    if shares:
+        out.append(
+            f"The default step is {100 * min(shares):.0f} % or more of the largest stable one."
+        )
+    return out
+
+
+def residuals(shown: list[Shown]) -> dict[str, float]:
+    """Energy not accounted for, by case and test."""
+    return {
+        f"{entry['module']}: {entry['test'].removeprefix('test_').replace('_', ' ')}": value
+        for entry in shown
+        if (value := entry["figures"].get("residual")) is not None
+    }
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``stability_page``."""
+    shown = [e for path in snakemake.input.records for e in json.loads(Path(path).read_text())]
+    folder = Path(str(snakemake.output.figures))
+    caption = "Energy that no term of the budget accounts for; dashed: what may be missed."
+    drawings = [draw(folder, "residuals", caption, residual_figure(residuals(shown)))]
+    for entry in shown:
+        if found := entry["figures"].get("map"):
+            lines = {(name, young): shares for name, young, shares in found["lines"]}
+            figure = stability_map(lines, found["dampings"], found["default"])
+            caption = "Largest time step at which no energy grows, over the critical one."
+            drawings.append(draw(folder, "stability_map", caption, figure))
+    table = case_table(shown)
+    page = render_study("Hard cases", LEAD, sentences(shown), drawings, [table])
+    write_text(page, Path(str(snakemake.output.page)))
+    write_text(as_markdown(table) + "\n", Path(str(snakemake.output.table)))
+    for entry in shown:
+        if entry["outcome"] == "failed":
+            logging.error("%s: %s failed", entry["module"], entry["test"])
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+//
+// Between LIGGGHTS' history of the listed pairs and the records that the loops work on.
+#include <algorithm>
+#include <cstddef>
+
+#include "atom.h"
+#include "fix_floe_integrate.h"
+#include "history.h"
+#include "modify.h"
+#include "neigh_list.h"
+#include "pair_floe.h"
+#include "pair_gran.h"
+
+using namespace LAMMPS_NS;
+
+namespace floe {
+
+int PairFloe::lower(int i, int j) const { return atom->tag[i] < atom->tag[j] ? i : j; }
+
+// An element that never moves takes part like an infinitely heavy one. In the order of the ids, so
+// that both sides of a rank boundary find the same bits.
+double PairFloe::reduced_mass(int i, int j) const {
+  const double *mass = atom->rmass;
+  if (atom->type[i] == FixFloeIntegrate::fixed_type) return mass[j];
+  if (atom->type[j] == FixFloeIntegrate::fixed_type) return mass[i];
+  const int lo = lower(i, j), hi = i + j - lo;
+  return mass[lo] * mass[hi] / (mass[lo] + mass[hi]);
+}
+
+BondConstants PairFloe::constants_of(const BondShape &shape, int i, int j) const {
+  return bond_constants(bond, shape, compressive_strength(shape.thickness), reduced_mass(i, j));
+}
+
+void PairFloe::read_history() {
+  const NeighList *list = pair_->list, *past = pair_->listgranhistory;
+  const int size = pair_->dnum();
+  bonded_.clear();
+  contacts_.clear();
+  for (int ii = 0; ii < list->inum; ++ii) {
+    const int i = list->ilist[ii], count = list->numneigh[i];
+    for (int jj = 0; jj < count; ++jj) {
+      const int j = list->firstneigh[i][jj] & NEIGHMASK;
+      double *h = past->firstdouble[i] + static_cast<std::ptrdiff_t>(size) * jj;
+      int *flag = past->firstneigh[i] + jj;
+      if (bonds && is_bond(*flag, h)) {
+        const int lo = lower(i, j), hi = i + j - lo;
+        const BondShape shape = bond_shape(h);
+        const double share = j < atom->nlocal ? 1.0 : 0.5;
+        bonded_.add(lo, hi, share, shape, constants_of(shape, lo, hi), {h, flag});
+        continue;
+      }
+      const int number = static_cast<int>(contacts_.ends.size());
+      contacts_.ends.push_back({i, j});
+      contacts_.rows.push_back({});
+      if (ridging) contacts_.ridges.push_back({});
+      contacts_.places.push_back({h, flag});
+      if (!*flag) continue;
+      start_contact(number);
+      contacts_.rows[number].slip = h[slot::slip];
+      contacts_.rows[number].rest = h[slot::rest_overlap];
+      if (!ridging || h[slot::ridge_length] == 0.0) continue;
+      const Ridge ridge = ridge_at(h);
+      contacts_.ridges[number] = {ridge.closing, ridge.thickness, ridge.length,
+                                  ridging_limit(ridge)};
+    }
+  }
+  stale_ = false;
+}
+
+void PairFloe::write_history() {
+  if (stale_) return;
+  for (int k = 0; k < bonded_.count; ++k) {
+    double *h = bonded_.places[k].history;
+    if (!h) continue;
+    h[slot::crack_a] = bonded_.at(BondBlock::crack_a, k);
+    h[slot::crack_b] = bonded_.at(BondBlock::crack_b, k);
+  }
+  for (std::size_t k = 0; k < contacts_.ends.size(); ++k) {
+    double *h = contacts_.places[k].history;
+    int &flag = *contacts_.places[k].flag;
+    const bool touching = contacts_.ends[k].touching();
+    if (!touching && !flag) continue;
+    std::fill(h, h + history_size(), 0.0);
+    flag = touching;
+    if (!touching) continue;
+    h[slot::slip] = contacts_.rows[k].slip;
+    h[slot::rest_overlap] = contacts_.rows[k].rest;
+    if (!ridging) continue;
+    h[slot::ridge_closing] = contacts_.ridges[k].closing;
+    h[slot::ridge_thickness] = contacts_.ridges[k].thickness;
+    h[slot::ridge_length] = contacts_.ridges[k].length;
+  }
+}
+
+// LIGGGHTS copies the history of the old lists before any other fix is asked: once more, now that it
+// is up to date.
+void PairFloe::lists_change() {
+  if (stale_) return;
+  write_history();
+  stale_ = true;
+  modify->find_fix_style_strict("contacthistory", 0)->pre_exchange();
+}
+
+}  // namespace floe

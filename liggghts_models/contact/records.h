@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+//
+// What the loop over pairs reads and writes for each pair, packed densely in the order in which it is
+// read. The records live as long as the neighbour lists; LIGGGHTS' own history (history.h), which
+// it carries from list to list and between ranks, is read when they are made and written when they go.
+#ifndef FLOE_CONTACT_RECORDS_H
+#define FLOE_CONTACT_RECORDS_H
+
+#include <vector>
+
+#include "bond.h"
+#include "contact.h"
+#include "ridge.h"
+
+namespace floe {
+
+// Where LIGGGHTS keeps the history of a pair.
+struct Place {
+  double *history;
+  int *flag;
+};
+
+// Four bonds, column by column, as packs read them; one bond takes two cache lines.
+struct alignas(64) BondBlock {
+  enum Column {
+    lo_ax,
+    lo_ay,
+    lo_bx,
+    lo_by,
+    hi_ax,
+    hi_ay,
+    hi_bx,
+    hi_by,
+    crack_a,
+    crack_b,
+    length,
+    ratio,
+    damping,
+    squeeze,
+    share,  // 1, or 1/2 for a pair that two ranks meet
+    column_count
+  };
+  double column[column_count][4];
+  int lo[4], hi[4];  // elements with the lower and the higher id
+};
+
+struct BondRecords {
+  int count = 0;
+  std::vector<BondBlock> blocks;
+  std::vector<Place> places;  // history is null where the bond has broken
+
+  void clear();
+  void add(int lo, int hi, double share, const BondShape &, const BondConstants &, Place);
+  // Nothing is left of bond k: it stays in its block, without force, until the lists are made anew.
+  void remove(int k);
+  BondBlock &block(int k) { return blocks[k >> 2]; }
+  double &at(BondBlock::Column column, int k) { return blocks[k >> 2].column[column][k & 3]; }
+};
+
+// A pair that is not bonded, as listed: the sign of j's bits says whether it has a contact.
+struct Ends {
+  static constexpr int mark = ~0x7fffffff;
+  int i, marked_j;
+  int j() const { return marked_j & ~mark; }
+  bool touching() const { return marked_j < 0; }
+};
+
+struct alignas(32) ContactRow {
+  double slip, rest, stiffness, damping;  // m, m, N/m, N s/m
+};
+
+struct alignas(32) RidgeRow {
+  double closing, thickness, length, limit;  // m, m, m; force at which it closes, N
+};
+
+struct ContactRecords {
+  std::vector<Ends> ends;
+  std::vector<ContactRow> rows;
+  std::vector<RidgeRow> ridges;  // with ridging only
+  std::vector<Place> places;
+
+  void clear();
+};
+
+}  // namespace floe
+
+#endif
