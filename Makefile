@@ -44,6 +44,7 @@ bench-column: setup ## time the column's schemes, over threads and columns
 
 bench-remap: setup ## time the transfers between elements and grids, beside bincount and griddata
 	.venv/bin/python benchmarks/remap.py
+	.venv/bin/python benchmarks/remap_elements.py
 
 bench-plan: setup ## compare plans with held-out scenes
 	.venv/bin/python benchmarks/plan.py

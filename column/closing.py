@@ -6,7 +6,12 @@ from __future__ import annotations
 import numpy as np
 
 from floeflow.column.categories import category_bounds
-from floeflow.column.layered_run import freezing_point, layered_physics
+from floeflow.column.layered_run import (
+    freezing_point,
+    layered_physics,
+    layered_state,
+    pond_water,
+)
 from floeflow.column.params import Settings, zero_layer_params
 from floeflow.column.physics import KELVIN
 from floeflow.column.redistribution import redistribute
@@ -38,7 +43,7 @@ def close_columns(
         Per area that is left. Snow that fell off ridges melts in the mixed layer, if there is one.
     terms : dict of ndarray
         ``snow_ridging`` (m), ``water_ridging`` (kg/m2) and, without a mixed layer that pays,
-        ``energy_ridging`` (J/m2), (n,) each; none without snow.
+        ``energy_ridging`` (J/m2), (n,) each, of snow; with ponds ``pond_ridging`` (m).
     """
     before = dict(columns)
     for name in _VOLUMES:
@@ -46,13 +51,17 @@ def close_columns(
             before[name] = before[name] * (1.0 - closed)[:, None]
     ridged = redistribute(before, closed, category_bounds(settings.categories))
     after = ridged.columns
+    terms: dict[str, Array] = {}
+    if settings.has("ponds"):
+        first, last = (pond_water(layered_state(each, settings)) for each in (columns, after))
+        terms["pond_ridging"] = last - first
     if not settings.has("snow"):
-        return after, {}
+        return after, terms
     p, params = layered_physics(settings), zero_layer_params(settings)
     density, cost = p.snow_density, -ridged.snow_energy
     if settings.scheme == "zero_layer":
         density, cost = params.snow_density, params.snow_energy * ridged.snow_lost
-    terms = {"snow_ridging": -ridged.snow_lost, "water_ridging": -density * ridged.snow_lost}
+    terms |= {"snow_ridging": -ridged.snow_lost, "water_ridging": -density * ridged.snow_lost}
     if not settings.has("mixed_layer"):
         return after, terms | {"energy_ridging": cost}
     sea = Sea(after["sea_temperature"], after["pending_freeze"])

@@ -27,6 +27,7 @@ from floeflow.column.layered_run import freezing_point, layered_physics
 from floeflow.column.mush import liquid_fraction, mush_enthalpy, mush_temperature
 from floeflow.column.params import Settings
 from floeflow.column.physics import KELVIN, as_records
+from floeflow.column.records import LEVEL
 from floeflow.column.state import Array
 
 Columns = dict[str, Array]
@@ -132,6 +133,8 @@ def first_columns(
     }
     if settings.scheme == "zero_layer":
         return columns
+    columns |= dict.fromkeys(LEVEL, np.zeros(shape))
+    columns["level_area"] = columns["level_volume"] = np.where(spread(fraction) > 0.0, 1.0, 0.0)
     return columns | _first_layers(
         spread(thickness), spread(snow), min(surface, freezing), settings
     )

@@ -13,6 +13,7 @@ from floeflow.column.layered import LayeredState, ice_energy, pack_forcing, step
 from floeflow.column.mush import liquidus
 from floeflow.column.params import Settings
 from floeflow.column.physics import KELVIN, Physics
+from floeflow.column.records import LEVEL
 from floeflow.column.state import Array
 from floeflow.column.surface import GAS_AIR
 from floeflow.column.window import sub_steps
@@ -32,6 +33,8 @@ def layered_physics(settings: Settings) -> Physics:
         mushy=settings.scheme == "mushy",
         mixed=settings.has("mixed_layer"),
         frazil=settings.has("frazil"),
+        delta_eddington=settings.needs_sun,
+        ponds=settings.has("ponds"),
         lateral_rate=defaults.lateral_rate if settings.has("lateral_melt") else 0.0,
         new_ice_thickness=settings.new_ice_thickness,
         least_thickness=defaults.least_thickness if settings.categories > 1 else 0.1,
@@ -79,7 +82,8 @@ def step_forcing(values: dict[str, Array], settings: Settings) -> dict[str, Arra
     none = np.zeros_like(air)
     dry = GAS_AIR * air * (1.0 + Physics().virtual * values["specific_humidity"])
     light = values.get("shortwave_down", none)
-    return {
+    sun = {"sun_height": values["sun_height"]} if settings.needs_sun else {}
+    return sun | {
         "potential_temperature": air,
         "humidity": values["specific_humidity"],
         "density": values["air_pressure"] / dry,
@@ -108,7 +112,15 @@ def stored(columns: Columns, settings: Settings) -> dict[str, Array]:
     if p.mushy:
         salt = state.ice_salinity.mean(axis=2) * state.ice_volume
         kept["salt"] = 1e-3 * p.ice_density * salt.sum(axis=1)
+    if p.ponds:
+        kept["pond"] = pond_water(state)
     return kept
+
+
+def pond_water(state: LayeredState) -> Array:
+    """Water in ponds (m per area), (n,)."""
+    wet = state.ice_fraction * state.level_area * state.pond_area
+    return np.asarray((wet * state.pond_depth).sum(axis=1))
 
 
 def budget_terms(sums: dict[str, Array], p: Physics) -> dict[str, Array]:
@@ -138,6 +150,9 @@ def budget_terms(sums: dict[str, Array], p: Physics) -> dict[str, Array]:
     }
     if p.mushy:
         terms["salt_ocean"] = 1e-3 * p.ice_density * sums["salt_to_ice"]
+    if p.ponds:
+        terms["pond_gain"] = sums["pond_gain"]
+        terms |= {name: -sums[name] for name in ("pond_frozen", "pond_drained", "pond_lost")}
     return terms
 
 
@@ -160,6 +175,7 @@ def layered_state(columns: Columns, settings: Settings) -> LayeredState:
         salinity,
         sea - KELVIN,
         columns.get("pending_freeze", np.zeros(count)),
+        **{name: columns[name] for name in LEVEL if name in columns},
     )
 
 

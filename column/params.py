@@ -118,6 +118,8 @@ class Settings:
         1e-3.
     mixed_layer_depth : float
         m.
+    light : str
+        ccsm3, or delta_eddington, which asks for the height of the sun; of layered ice.
     """
 
     scheme: str = "zero_layer"
@@ -128,6 +130,13 @@ class Settings:
     new_ice_thickness: float = 0.1
     ocean_salinity: float = 34.0
     mixed_layer_depth: float = 20.0
+    light: str = "ccsm3"
+
+    @property
+    def needs_sun(self) -> bool:
+        """Whether the forcing has to tell the height of the sun."""
+        many = self.light == "delta_eddington" and self.scheme != "zero_layer"
+        return many and self.has("shortwave")
 
     def has(self, process: str) -> bool:
         """Whether a process is simulated."""

@@ -18,6 +18,7 @@ import numpy as np
 
 from floeflow.column.params import Settings
 from floeflow.column.state import Array
+from floeflow.column.sun import day_of_year, sun_height
 from floeflow.errors import FloeError
 from floeflow.preprocess import cf, names
 from floeflow.preprocess.accumulate import rates
@@ -43,12 +44,15 @@ class PointForcing:
         Times (s) and SI values of each variable, ``wind_speed`` among them.
     constant : dict of float
         What does not change.
+    place : tuple of float or None
+        Longitude and latitude (degrees), for the height of the sun.
     """
 
     start: datetime
     length: float
     series: dict[str, tuple[Array, Array]]
     constant: dict[str, float]
+    place: tuple[float, float] | None = None
 
     def __call__(self, t: float) -> dict[str, Array]:
         """Forcing at a time (s), as `floeflow.column.schemes` takes it; the record repeats."""
@@ -56,6 +60,10 @@ class PointForcing:
         values = {n: np.array([np.interp(t, *each)]) for n, each in self.series.items()}
         values |= {name: np.array([value]) for name, value in self.constant.items()}
         speed = values.pop("wind_speed")
+        if self.place is not None:
+            lon, lat = self.place
+            height = sun_height(day_of_year(self.start, t), lat, lon)
+            values["sun_height"] = np.array([float(height)])
         return values | {"wind_u": speed, "wind_v": np.zeros(1)}
 
 
@@ -193,6 +201,8 @@ def read_point(
         time and place.
     """
     path = Path(path)
+    if settings.needs_sun and place is None:
+        raise FloeError("delta-Eddington light needs the height of the sun: name --lon and --lat")
     variables = cf.describe(path)
     reader = Reader(path, variables, _first_time(path, variables), place, accumulation)
     wanted = [*ALWAYS, *(name for process, name in WITH_PROCESS.items() if settings.has(process))]
@@ -206,7 +216,8 @@ def read_point(
             _substitute(reader, name, series, left)
     # Sums end their rates at their last record, like all others; intervals may begin before.
     length = min(float(seconds[-1]) for seconds, _ in series.values())
-    return PointForcing(reader.start, length, {n: series[n] for n in series if n in _READ}, left)
+    kept = {name: series[name] for name in series if name in _READ}
+    return PointForcing(reader.start, length, kept, left, place)
 
 
 _READ = {"wind_speed", "ocean_heat_flux", *ALWAYS, *WITH_PROCESS.values()}

@@ -138,7 +138,8 @@ def redistribute(columns: Columns, closed: Array, bounds: Array) -> Ridged:
     # Round-off, or ice that finds no room: all of it makes room alike.
     covered = amounts["area"].sum(axis=1)
     fits = np.minimum(kept / np.where(covered > kept, covered, kept), 1.0)[:, None]
-    amounts["area"], amounts["warmth"] = amounts["area"] * fits, amounts["warmth"] * fits
+    for name in {"area", "warmth", "level"} & set(amounts):
+        amounts[name] = amounts[name] * fits
     snow = lost.get("snow", np.zeros_like(kept)) / kept
     energy = np.zeros_like(kept)
     if "snow_heat" in lost:
@@ -171,6 +172,10 @@ def _ridge(amounts: Columns, lost: Columns, left: Array, rest: Array, bounds: Ar
     for name, values in amounts.items():
         moved = values * share.reshape(share.shape + (1,) * (values.ndim - 2))
         stays = moved
+        if name in ("level", "level_ice"):
+            # Ridges are not level; what ponds there were on the ice has run off.
+            amounts[name] = values - moved
+            continue
         if name in ("area", "warmth"):
             stays = moved / thicker
         elif name in lost:
@@ -189,6 +194,9 @@ def _amounts(columns: Columns) -> Columns:
     for name, amount in _LAYERED.items():
         if name in columns:
             amounts[amount] = columns[name] * ice[..., None]
+    if "level_area" in columns:
+        amounts["level"] = area * columns["level_area"]
+        amounts["level_ice"] = ice * columns["level_volume"]
     if "snow_volume" in columns:
         amounts["snow"] = columns["snow_volume"]
         if "snow_enthalpy" in columns:
@@ -211,6 +219,12 @@ def _columns(amounts: Columns, like: Columns, kept: Array) -> Columns:
     for name, amount in _LAYERED.items():
         if name in like:
             columns[name] = _per(amounts[amount], ice)
+    if "level" in amounts:
+        columns["level_area"] = np.where(
+            exists, amounts["level"] / np.where(exists, area, 1.0), 0.0
+        )
+        share = amounts["level_ice"] / np.where(exists, ice, 1.0)
+        columns["level_volume"] = np.where(exists, share, 0.0)
     if "snow" in amounts:
         columns["snow_volume"] = amounts["snow"] / kept[:, None]
         if "snow_heat" in amounts:

@@ -41,6 +41,8 @@ def arguments() -> argparse.ArgumentParser:
     add("--scheme", choices=tuple(SCHEMES), default="bl99", help="vertical thermodynamics")
     add("--categories", type=int, default=1, help="thickness categories")
     add("--layers", type=int, default=7, help="layers of ice (bl99, mushy)")
+    add("--light", choices=("ccsm3", "delta_eddington"), default="ccsm3", help="in snow and ice")
+    add("--ponds", action="store_true", help="melt ponds (bl99, mushy)")
     add("--without", nargs="+", choices=PROCESSES, default=[], help="processes to leave out")
     add("--thickness", type=float, default=1.5, help="ice at the start (m)")
     add("--fraction", type=float, default=1.0, help="share under ice at the start")
@@ -82,15 +84,21 @@ def check(given: argparse.Namespace) -> None:
             raise FloeError(f"--{name.replace('_', '-')} must not be below zero")
     if not 0 <= given.fraction <= 1:
         raise FloeError("--fraction must lie between 0 and 1")
+    if given.ponds and given.scheme == "zero_layer":
+        raise FloeError("--ponds needs --scheme bl99 or mushy")
+    if given.ponds and "shortwave" in given.without:
+        raise FloeError("--ponds needs shortwave")
     if (given.lon is None) != (given.lat is None):
         raise FloeError("--lon and --lat come together")
 
 
 def settings_of(given: argparse.Namespace) -> Settings:
     """Settings of the column that the command line asks for."""
+    processes = tuple(name for name in PROCESSES if name not in given.without)
     return Settings(
         scheme=given.scheme,
-        processes=tuple(name for name in PROCESSES if name not in given.without),
+        processes=(*processes, "ponds") if given.ponds else processes,
+        light=given.light,
         categories=given.categories,
         layers=given.layers,
         step=given.step,

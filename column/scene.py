@@ -20,4 +20,5 @@ def column_settings(scene: Scene) -> Settings:
         new_ice_thickness=column.new_ice_thickness,
         ocean_salinity=column.ocean_salinity,
         mixed_layer_depth=column.mixed_layer_depth,
+        light=column.light,
     )

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from datetime import datetime, timedelta
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -47,3 +49,11 @@ def sun_height(
     hour = (day % 1.0 - 0.5) * 2.0 * np.pi + np.radians(longitude)
     high = np.sin(np.radians(latitude)) * np.sin(declination)
     return np.asarray(high + np.cos(np.radians(latitude)) * np.cos(declination) * np.cos(hour))
+
+
+def day_of_year(start: datetime, seconds: float) -> float:
+    """Day of the year with its fraction, as `sun_height` takes it, so many seconds after a time."""
+    now = start + timedelta(seconds=seconds)
+    of_day = timedelta(hours=now.hour, minutes=now.minute, seconds=now.second)
+    fraction = (of_day + timedelta(microseconds=now.microsecond)) / timedelta(days=1)
+    return now.timetuple().tm_yday + fraction

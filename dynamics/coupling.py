@@ -16,12 +16,14 @@ from floeflow.column.forcing import sample_series
 from floeflow.column.params import ColumnParams, zero_layer_params
 from floeflow.column.scene import column_settings
 from floeflow.column.schemes import advance_columns as advance_slice
+from floeflow.column.sun import day_of_year, sun_height
 from floeflow.config import Scene
 from floeflow.dynamics.collective import on_all
 from floeflow.dynamics.elements import Arrays
 from floeflow.dynamics.motion import engine_params
 from floeflow.dynamics.refreeze import Cold, refreeze
 from floeflow.effects import column_forcing_variables, column_variables
+from floeflow.preprocess.grids import scene_crs, to_lonlat
 from floeflow.state.schema import MOBILE
 
 Budget = dict[str, float]
@@ -45,12 +47,16 @@ def forcing_sampler(
     names = (*names, "ocean_u", "ocean_v") if rubs else names
     u, v, x, y = (state[name].values[rows] for name in "uvxy")
     series = sample_series(forcing, names, x, y)
+    lit = column_settings(scene).needs_sun
+    lon, lat = to_lonlat(scene_crs(scene.domain), x, y) if lit else (x, y)
 
     def sample(t: float) -> dict[str, np.ndarray]:
         values = series(t)
         if rubs:
             slip = np.hypot(values.pop("ocean_u") - u, values.pop("ocean_v") - v)
             values["friction_velocity"] = np.sqrt(scene.dynamics.ocean_drag) * slip
+        if lit:
+            values["sun_height"] = sun_height(day_of_year(scene.time.start, t), lat, lon)
         return values
 
     return sample

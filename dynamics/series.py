@@ -34,6 +34,7 @@ PREFIX_UNITS = {
     "energy_": "J",
     "water_": "kg",
     "salt_": "kg",
+    "pond_": "m3",
     "remap_momentum_": "kg m s-1",
     "remap_energy": "J",
     "remap_": "1",

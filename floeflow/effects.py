@@ -97,6 +97,16 @@ _WALL_STATE = (
     *("wall_contact_id", "wall_contact_face", "wall_contact_slip", "wall_contact_rest_overlap"),
 )
 
+LEVEL_STATE = (
+    "level_area",
+    "level_volume",
+    "pond_area",
+    "pond_depth",
+    "pond_lid",
+    "lid_snow",
+    "lid_share",
+)
+
 _REGISTERED = (
     Effect(
         name="wind",
@@ -224,6 +234,16 @@ _REGISTERED = (
         forcing=("shortwave_down",),
     ),
     Effect(
+        name="ponds",
+        physics="Melt water gathers in ponds on level ice, drains, flushes salt, and freezes over.",
+        source="Hunke, Hebert & Lecomte 2013",
+        needs=("thermodynamics", "shortwave"),
+        column=("ponds",),
+        state=LEVEL_STATE,
+        diagnostics=("pond_water",),
+        figures=("budget_column_pond",),
+    ),
+    Effect(
         name="lateral_melt",
         physics="Warm water melts the sides of floes: area goes, thickness stays.",
         source="Maykut & Perovich 1987; Steele 1992",
@@ -290,6 +310,7 @@ SCHEME_STATE: dict[str, tuple[str, ...]] = {
     "ice_enthalpy": ("bl99", "mushy"),
     "snow_enthalpy": ("bl99", "mushy"),
     "ice_salinity": ("mushy",),
+    **dict.fromkeys(LEVEL_STATE, ("bl99", "mushy")),
 }
 
 

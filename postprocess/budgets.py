@@ -78,10 +78,7 @@ class Budget:
     @property
     def residual(self) -> Array:
         """Change that the terms do not explain, (window,)."""
-        explained = np.zeros_like(self.change)
-        for term in self.terms.values():
-            explained = explained + term
-        return self.change - explained
+        return self.change - sum(self.terms.values(), np.zeros_like(self.change))
 
     @property
     def relative(self) -> Array:
@@ -135,10 +132,7 @@ def _matching(scalars: xr.Dataset, prefix: str, suffix: str = "") -> dict[str, A
 
 
 def _absolute_sum(terms: Mapping[str, Array], like: Array) -> Array:
-    total = np.zeros(like.shape)
-    for term in terms.values():
-        total = total + np.abs(term)
-    return total
+    return sum((np.abs(term) for term in terms.values()), np.zeros(like.shape))
 
 
 def momentum_budget(scalars: xr.Dataset, axis: str) -> Budget:
@@ -226,6 +220,7 @@ _STORED = {
     "energy": ("Energy of the columns", "J"),
     "water": ("Water in ice and snow", "kg"),
     "salt": ("Salt in the ice", "kg"),
+    "pond": ("Water in melt ponds", "m3"),
 }
 
 

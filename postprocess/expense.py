@@ -19,6 +19,7 @@ ORDER = (
     "mask",
     "packing",
     "bonds",
+    "cells",
     "analytic",
     "forcing",
     "initial",

@@ -40,6 +40,8 @@ Index = NDArray[np.int64]
 
 # An element that lies on the cells with less than this share of itself has left them.
 LEAST_COVER = 0.5
+# A cell holds more than its area where it is more by this share.
+ROUND_OFF = 1.0e-9
 
 
 @dataclass(frozen=True)
@@ -142,13 +144,15 @@ def remap(
     arrived = {name: _product(crumbs, amount) for name, amount in arrived.items()}
     fill = {name: _product(crumbs, amount) for name, amount in fill.items()}
     share = sparse.csr_matrix(share @ crumbs.T)
-    held = arrived["area"] > 0
-    holes = ~held & enclosed(held, beside)
-    inside = (held | holes) & enclosed(held | holes, beside)
-    area = np.where(inside, np.maximum(cells.area, arrived["area"]), arrived["area"])
-    has_ice = arrived["ice_fraction"].sum(axis=1) > 0
-    stays = np.flatnonzero((area > 0) & (has_ice | inside))
-    fill = _means(fill, arrived["area"], holes, beside)
+    icy = arrived["ice_fraction"].sum(axis=1) > 0
+    # Water amid ice is kept, or made, as an element: a lead can freeze.
+    held = icy | enclosed(icy, beside)
+    inside = held & enclosed(held, beside)
+    # A round-off above the cell's own area would add up over the windows.
+    over = arrived["area"] > (1.0 + ROUND_OFF) * cells.area
+    area = np.where(inside & ~over, cells.area, arrived["area"])
+    stays = np.flatnonzero(held & (area > 0))
+    fill = _means(fill, arrived["area"], held & (arrived["area"] == 0), beside)
     fresh = values_of(
         {name: amount[stays] for name, amount in arrived.items()},
         area[stays],

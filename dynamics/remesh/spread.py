@@ -31,6 +31,8 @@ log = logging.getLogger(__name__)
 ROUND_OFF = 1.0e-12
 # Cells filled to less than this get no element of their own, which would shorten the time step.
 LEAST_FILL = 0.25
+# How many cells away what they hold may find a place.
+FARTHEST = 3
 
 
 def attainable(area: Array, capacity: Array, beside: sparse.csr_matrix) -> Array:
@@ -109,7 +111,11 @@ def _mixing(area: Array, potential: Array, beside: sparse.csr_matrix) -> Move:
 
 
 def gather_crumbs(area: Array, capacity: Array, beside: sparse.csr_matrix) -> sparse.csr_matrix:
-    """Give what cells hold that are hardly filled to the neighbour along the longest side.
+    """Join what cells hold that are hardly filled with what others hold.
+
+    From the smallest on, a crumb goes to the filled neighbour along the longest side. If there is
+    none, as where a lone floe came to lie on several cells, it goes to the neighbour that holds
+    most, or to whatever is within `FARTHEST` cells.
 
     Parameters
     ----------
@@ -120,19 +126,40 @@ def gather_crumbs(area: Array, capacity: Array, beside: sparse.csr_matrix) -> sp
     -------
     csr_matrix
         (m, m), with which amounts are to be multiplied from the left; its columns add up to 1.
-        A crumb without a neighbour that is filled stays.
+        A crumb with nothing around it stays.
     """
-    count = len(area)
-    filled = area >= LEAST_FILL * capacity
+    held, count = area.copy(), len(area)
     goes = np.arange(count)
-    for j in np.flatnonzero((area > 0) & ~filled).tolist():
-        row = slice(beside.indptr[j], beside.indptr[j + 1])
-        near, side = beside.indices[row], beside.data[row]
-        near, side = near[filled[near]], side[filled[near]]
-        if len(near):
-            goes[j] = near[np.lexsort((near, -side))[0]]
+    crumbs = np.flatnonzero((area > 0) & (area < LEAST_FILL * capacity))
+    for j in crumbs[np.argsort(area[crumbs], kind="stable")].tolist():
+        if held[j] >= LEAST_FILL * capacity[j]:
+            continue  # others have filled it
+        k = _host(j, held, capacity, beside)
+        if k != j:
+            goes[j] = k
+            held[k] += held[j]
+            held[j] = 0.0
+    while not np.array_equal(goes, goes[goes]):
+        goes = goes[goes]
     ones = np.ones(count)
     return sparse.csr_matrix((ones, (goes, np.arange(count))), shape=(count, count))
+
+
+def _host(j: int, held: Array, capacity: Array, beside: sparse.csr_matrix) -> int:
+    """Cell that takes what cell j holds; j itself where there is none."""
+    row = slice(beside.indptr[j], beside.indptr[j + 1])
+    near, side = beside.indices[row], beside.data[row]
+    filled = held[near] >= LEAST_FILL * capacity[near]
+    if filled.any():
+        near, side = near[filled], side[filled]
+        return int(near[np.lexsort((near, -side))[0]])
+    seen = np.array([j])
+    for _ in range(FARTHEST):
+        seen = np.union1d(seen, beside[seen].indices)
+        others = seen[(held[seen] > 0) & (seen != j)]
+        if len(others):
+            return int(others[np.argmax(held[others])])
+    return j
 
 
 def enclosed(held: Flags, beside: sparse.csr_matrix) -> Flags:

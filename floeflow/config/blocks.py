@@ -283,6 +283,9 @@ class Column(Block):
         "Vertical thermodynamics: no heat stored, Bitz and Lipscomb 1999, or mush with salt.",
     )
     categories: int = key(1, "Thickness categories of each element.", ge=1, le=20)
+    light: Literal["ccsm3", "delta_eddington"] = key(
+        "ccsm3", "Light in snow and ice (bl99, mushy): of CCSM3, or of many directions."
+    )
     layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
     step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)
     splitting: Literal["after", "around"] = key(

@@ -37,6 +37,8 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("dynamics.turning_angle is given but effects does not name turning_angle")
     if scene.mask.land == "mask" and not scene.mask.file:
         raise FloeError("mask.land is 'mask' but mask.file names none")
+    if "ponds" in scene.effects and scene.column.scheme == "zero_layer":
+        raise FloeError("effect 'ponds' needs column.scheme 'bl99' or 'mushy'")
     if "redistribution" in scene.effects and scene.column.categories < 2:
         raise FloeError("effect 'redistribution' needs column.categories of 2 or more")
     if scene.packing.coast_bonds and not {"bonds", "coast"} <= set(scene.effects):

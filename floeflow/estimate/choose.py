@@ -147,6 +147,8 @@ def choose(scene: Scene) -> tuple[str, ...]:
     possible = [name for name in EFFECTS if _has_forcing(scene, name)]
     if scene.column.categories < 2:
         possible.remove("redistribution")
+    if scene.column.scheme == "zero_layer":
+        possible.remove("ponds")
     rows = estimate(c, scene, possible, coefficients())
     return recommended([row for row in rows if row.name in possible], default)
 

@@ -68,10 +68,11 @@ def _element(
     high: float = np.inf,
     of: str = "",
     extensive: bool = False,
+    per: str = "",
 ) -> Variable:
     kind: Literal["", "extensive", "intensive"] = "intensive" if of else ""
     kind = "extensive" if extensive else kind
-    return Variable(("element",), "float64", units, text, low, high, kind, of)
+    return Variable(("element",), "float64", units, text, low, high, kind, of, per)
 
 
 def _column(
@@ -144,9 +145,24 @@ VARIABLES: dict[str, Variable] = {
     "snow_enthalpy": _layers(
         "snow", "J m-3", "energy of snow layers against water at 0 degC", "snow_volume", -2e9, 0
     ),
+    "level_area": _column(
+        "1", "share of the ice's area that is level", of="ice_fraction", low=0, high=1
+    ),
+    "level_volume": _column(
+        "1", "share of the ice's volume that is level", of="ice_volume", low=0, high=1
+    ),
+    "pond_area": _column("1", "share of the level ice under ponds", of="level_area", high=1),
+    "pond_depth": _column("m", "depth of the ponds' water", of="pond_area"),
+    "pond_lid": _column("m", "thickness of the ice on ponds", of="pond_area"),
+    "lid_snow": _column("m", "snow on the ice less snow on lids", "ice_fraction", -20.0),
+    "lid_share": _column("1", "share of the surface's heat that melted lids", of="ice_fraction"),
     "sea_temperature": _element("K", "temperature of the mixed layer", 255, 330, of="area"),
     "pending_freeze": _element(
-        "J m-2", "heat that the mixed layer lacks and of which ice will be made", 0, of="area"
+        "J m-2",
+        "heat that the mixed layer lacks and of which ice will be made",
+        0,
+        of="area",
+        per="area",
     ),
     "cell_corners": Variable(("element",), "int64", "1", "corners of the element's outline", 0),
     "drift_x": _element("m", "net displacement of the ice since the start", of="area"),

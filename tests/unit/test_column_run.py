@@ -56,6 +56,7 @@ def forcing_file(tmp_path: Path) -> Path:
         ["--scheme", "zero_layer", "--without", "mixed_layer"],
         ["--without", *PROCESSES],
         ["--thickness", "0"],
+        ["--ponds", "--light", "delta_eddington", "--lon", "10", "--lat", "75"],
     ],
 )
 def test_a_run_leaves_its_record_and_its_picture(forcing: Path, tmp_path: Path, more: list[str]):
@@ -102,6 +103,7 @@ def test_the_nearest_point_of_a_grid_is_taken(forcing: Path, tmp_path: Path):
     there = asked(tmp_path / "grid.nc", "--lon", "-12", "--lat", "81")
     here = asked(forcing)
     ours, theirs = (forcing_of(each, settings_of(each))(1e5) for each in (there, here))
+    assert -1.0 < ours.pop("sun_height")[0] < 0.0  # the night of the second of January
     assert ours == theirs
     with pytest.raises(FloeError, match="'l[a-z]+' has 2 values: name the place by --lon and"):
         nowhere = asked(tmp_path / "grid.nc")
@@ -156,12 +158,19 @@ def test_bad_forcing_is_one_sentence(tmp_path: Path, change, sentence: str):
         (["--fraction", "1.5"], "--fraction must lie between 0 and 1"),
         (["--layers", "1"], "--layers must be 2 or more"),
         (["--lon", "3"], "--lon and --lat come together"),
+        (["--ponds", "--scheme", "zero_layer"], "--ponds needs --scheme bl99 or mushy"),
         (["--mixed-layer-depth", "nan"], "--mixed-layer-depth must be above zero"),
     ],
 )
 def test_bad_numbers_are_one_sentence(more: list[str], sentence: str):
     with pytest.raises(FloeError, match=sentence):
         check(asked(Path("none.nc"), *more))
+
+
+def test_light_of_many_directions_asks_for_the_place(forcing: Path):
+    given = asked(forcing, "--light", "delta_eddington")
+    with pytest.raises(FloeError, match="needs the height of the sun: name --lon and --lat"):
+        forcing_of(given, settings_of(given))
 
 
 def test_the_command_says_what_is_wrong(tmp_path: Path):

@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 import itertools
+from datetime import datetime
 
 import numpy as np
 import pytest
 
+from floeflow.column.closing import close_columns
 from floeflow.column.first import first_columns, layer_temperatures
 from floeflow.column.params import Settings
 from floeflow.column.schemes import SCHEMES, advance_columns
+from floeflow.column.sun import day_of_year, sun_height
 from floeflow.column.zero_layer_run import column_forcing
 from floeflow.effects import EFFECTS, column_variables
 
@@ -90,6 +93,43 @@ def test_any_set_of_processes_keeps_its_budgets(scheme, categories, processes):
             born = after["ice_fraction"][0].sum() > 0
             assert born == ("frazil" in processes)
         columns = after
+
+
+@pytest.mark.parametrize("light", ["ccsm3", "delta_eddington"])
+@pytest.mark.parametrize("scheme", ["bl99", "mushy"])
+def test_ponds_keep_their_water(scheme, light):
+    settings = Settings(scheme=scheme, categories=5, processes=(*ALL, "ponds"), light=light)
+    columns = start(settings, [0.0, 0.6, 0.95, 1.0], [0.0, 0.3, 1.5, 3.0])
+    assert (columns["level_area"] == (columns["ice_fraction"] > 0)).all()
+    sun = {"sun_height": 0.5}
+    for values in (WARM, COLD):
+        sample = weather(values | sun, settings, 4)
+        after, terms = advance_columns(columns, sample, (0.0, 20 * DAY), settings)
+        check(columns, after, terms, 20 * DAY)
+        named = sum(value for name, value in terms.items() if name.startswith("pond_"))
+        assert np.abs(2.0 * terms["pond_stored"] - named).max() < 1e-12
+        if values is WARM:
+            assert (terms["pond_gain"][2:] > 0).all()
+        columns = after
+    # Ridges are not level, and what ponds they had has run off.
+    closed = np.array([0.0, 0.3, 0.2, 0.6])
+    ridged, terms = close_columns(columns, closed, settings)
+    assert (terms["pond_ridging"] <= 1e-15).all()
+    level = (ridged["ice_fraction"] * ridged["level_area"]).sum(axis=1)
+    assert (level <= ridged["ice_fraction"].sum(axis=1) + 1e-14).all()
+    assert level[3] < 0.9 * ridged["ice_fraction"][3].sum()
+    again, its = advance_columns(columns, sample, (0.0, DAY), settings, closed)
+    named = sum(value for name, value in its.items() if name.startswith("pond_"))
+    assert np.abs(2.0 * its["pond_stored"] - named).max() < 1e-12
+
+
+def test_the_sun_stands_where_it_should():
+    lon, lat = np.array([0.0, 0.0, 0.0, 90.0]), np.array([0.0, 80.0, 23.4, 0.0])
+    noon = sun_height(day_of_year(datetime(2021, 3, 21), 43200.0), lat, lon)
+    # Equinox: the cosine of the latitude, and sunset a quarter of the earth to the east.
+    np.testing.assert_allclose(noon, [1.0, np.cos(np.radians(80.0)), 0.918, 0.0], atol=0.04)
+    assert day_of_year(datetime(2021, 1, 1), 0.0) == 1.0
+    assert day_of_year(datetime(2020, 12, 31, 6), 86400.0 * 1.5) == 1.75
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

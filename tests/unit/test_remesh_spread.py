@@ -72,7 +72,20 @@ def test_crumbs_join_a_filled_neighbour() -> None:
     beside = lattice(1, 4)
     area = np.array([0.9, 0.05, 0.0, 0.04])
     crumbs = gather_crumbs(area, np.ones(4), beside)
-    np.testing.assert_allclose(crumbs @ area, [0.95, 0.0, 0.0, 0.04])
+    np.testing.assert_allclose(crumbs @ area, [0.99, 0.0, 0.0, 0.0])
+
+
+def test_a_floe_in_crumbs_is_made_whole() -> None:
+    area = np.zeros(49)
+    area[[16, 17, 23, 24]] = 0.2, 0.21, 0.19, 0.2
+    crumbs = gather_crumbs(area, np.ones(49), lattice(7, 7))
+    after = crumbs @ area
+    assert after.sum() == pytest.approx(0.8) and (after > 0).sum() <= 2
+    assert after[after > 0].min() >= 0.25
+    # A crumb with nothing around it stays.
+    alone = np.zeros(49)
+    alone[[0, 48]] = 0.1, 1.0
+    np.testing.assert_array_equal(gather_crumbs(alone, np.ones(49), lattice(7, 7)) @ alone, alone)
 
 
 def test_holes_are_cells_with_ice_on_all_sides() -> None:

@@ -176,12 +176,14 @@ def test_ice_that_enters_an_empty_cell_makes_an_element(case: tuple) -> None:
     assert (after["ice_fraction"].values[np.isin(after["id"], born)].sum(axis=1) > 0).all()
     # Ice, not area, decides: where all has melted the element goes, and its area is water.
     molten = after.copy(deep=True)
-    edge = np.flatnonzero(np.isin(after["id"], born))
+    line = float(np.median(after["x"].values))
     for name in ("ice_fraction", "ice_volume", "snow_volume"):
-        molten[name].values[edge] = 0.0
+        molten[name].values[after["x"].values > line] = 0.0
     gone = remapped(molten, cells)
     assert_kept(molten, gone)
-    assert len(np.intersect1d(gone["id"], born)) < len(born)
+    mobile = gone["type"].values == MOBILE
+    assert gone["x"].values[mobile].max() < line + 2 * spacing_of(cells)
+    assert 0 < mobile.sum() < (after["type"].values == MOBILE).sum() - 20
 
 
 def test_a_lead_inside_the_pack_is_given_to_elements(case: tuple) -> None:
@@ -235,3 +237,22 @@ def test_fast_ice_stays_frozen_to_the_coast() -> None:
     assert ashore(after).sum() > 0.9 * ashore(state).sum() > 20
     free = remapped(state.isel(bond=np.flatnonzero(~ashore(state))), cells)
     assert not ashore(free).any()
+
+
+def test_layers_of_all_categories_and_the_sea_are_carried() -> None:
+    more = "column: {scheme: mushy, categories: 5}\n"
+    state, cells = coast_case(more=more)
+    random = np.random.default_rng(6)
+    layered = [n for n in state if n.startswith(("ice_", "snow_")) and state[n].ndim == 3]
+    assert {"ice_enthalpy", "ice_salinity", "snow_enthalpy"} <= set(layered)
+    for name in layered:
+        state[name].values[:] *= 1.0 + 0.1 * random.random(state[name].shape)
+    moved = jiggled(state, 0.3 * spacing_of(cells))
+    after = remapped(moved, cells)
+    check_state(after)
+    assert_kept(moved, after)
+    for name in layered:
+        rows = [s["type"].values == MOBILE for s in (moved, after)]
+        old, new = (s[name].values[row] for s, row in zip((moved, after), rows, strict=True))
+        assert new.min() >= old.min() - 1e-9 * np.abs(old).max(), name
+        assert new.max() <= old.max() + 1e-9 * np.abs(old).max(), name
