@@ -18,11 +18,13 @@ from floeflow.config import Scene, load_scene
 from floeflow.config.docs import PROJECT
 from floeflow.errors import FloeError
 from floeflow.estimate.choose import scene_estimates
+from floeflow.postprocess.figures.style import write_png
 from floeflow.studies import ablation_page, accuracy_page
+from floeflow.studies.ablation_figure import ablation_figure
 from floeflow.studies.ablation_table import Ablation, ablation_table
 from floeflow.studies.accuracy_table import Accuracy, analyse
 from floeflow.studies.measures import KEPT
-from floeflow.studies.page import Table, as_markdown
+from floeflow.studies.page import DPI, Table, as_markdown
 
 EXAMPLES = ("free_drift_day", "winter_pack", "summer_melt_month", "marginal_ice_zone")
 PAGE, IMAGES = PROJECT / "docs/studies.md", PROJECT / "docs/images/studies"
@@ -103,10 +105,13 @@ def write_document(results: Path = Path("results")) -> None:
             ablation = ablation_table(scene, records, scene_estimates(scene))
             found.append((scene, ablation))
             parts.append(effects_section(scene, ablation))
-            _copy(results, scene, "ablation", ["ablation"])
+            # Drawn anew: the estimates may be those of a later fit.
+            write_png(ablation_figure(ablation), IMAGES / f"{name}_ablation.png", DPI)
         if records := study_records(scene, "accuracy", results):
             parts.append(accuracy_section(scene, analyse(scene, records, results)))
-            _copy(results, scene, "accuracy", [f"accuracy_{norm}" for norm in KEPT])
+            for norm in KEPT:
+                source = results / name / f"accuracy/figures/accuracy_{norm}.png"
+                shutil.copyfile(source, IMAGES / f"{name}_accuracy_{norm}.png")
         if parts:
             title = f"## {scene.report.title or scene.name}\n\n`config/scenes/{name}.yaml`\n"
             sections += [title, *parts]
@@ -114,12 +119,6 @@ def write_document(results: Path = Path("results")) -> None:
         raise FloeError(f"{results}: no example scene was studied; 'make studies' does it")
     head = HEAD.format(machine=machine())
     PAGE.write_text("\n".join([head, as_markdown(summary(found)), "", *sections]))
-
-
-def _copy(results: Path, scene: Scene, study: str, names: Sequence[str]) -> None:
-    for name in names:
-        source = results / scene.name / study / "figures" / f"{name}.png"
-        shutil.copyfile(source, IMAGES / f"{scene.name}_{name}.png")
 
 
 def main() -> int:
