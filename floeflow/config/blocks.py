@@ -291,6 +291,11 @@ class Column(Block):
     )
     layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
     step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)
+    splitting: Literal["after", "around"] = key(
+        "after",
+        "Column after the dynamics of each window (first order in the window), or half before and "
+        "half after (Strang, second order).",
+    )
     new_ice_thickness: float = key(
         0.1, "Thickness at which new ice gathers in open water.", "m", gt=0, le=1
     )

@@ -26,6 +26,8 @@ COSTS = Path(__file__).with_name("costs.json")
 Coefficients = Mapping[str, float]
 # What physics and knobs set; starting programs costs the same for any of them.
 WORK = ("dynamics", "column")
+# Concentration varies within the ice: where the mean is this little below, most has bonds.
+BOND_MARGIN = 0.05
 
 
 @dataclass(frozen=True)
@@ -46,8 +48,10 @@ class Sizes:
         Cells of the scene grid.
     mask_cells : float
         Cells of the mask grid.
-    land : bool
-        Whether the 1 km land mask is read.
+    forcing_jobs : int
+        Jobs that make the forcing: two for each window of analytic forcing.
+    land, bonded : bool
+        Whether the 1 km land mask is read, and whether most of the ice has bonds.
     """
 
     elements: float
@@ -57,7 +61,9 @@ class Sizes:
     column_steps: float
     cells: float
     mask_cells: float
+    forcing_jobs: int
     land: bool
+    bonded: bool
 
 
 def coefficients() -> dict[str, float]:
@@ -66,14 +72,21 @@ def coefficients() -> dict[str, float]:
     return data
 
 
+def bonded(c: Conditions, effects: Iterable[str]) -> bool:
+    """Whether most of the ice is dense enough for the scene's bonds."""
+    return "bonds" in effects and c.concentration >= c.bond_concentration - BOND_MARGIN
+
+
 def critical_step(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients) -> float:
     """Critical step of the element model (s): size over the speed of sound, times a fitted factor.
 
-    Independent of thickness; the factor holds what the smallest elements take from it.
+    Independent of thickness; the factor holds what the smallest elements take from it. Friction
+    makes contacts stiffer.
     """
     sound = math.sqrt(scene.dynamics.contact_modulus / ICE_DENSITY)
-    step = fit["step_contacts"] * c.element_size / sound
-    if "bonds" in effects:
+    factor = fit["step_friction" if "friction" in effects else "step_contacts"]
+    step = factor * c.element_size / sound
+    if bonded(c, effects):
         sound = math.sqrt(scene.dynamics.young_modulus / ICE_DENSITY)
         step = min(step, fit["step_bonds"] * c.element_size / sound)
     return step
@@ -97,8 +110,15 @@ def sizes(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients
         column_steps=inner,
         cells=cells,
         mask_cells=cells * scene.mask.refine**2,
+        forcing_jobs=forcing_jobs(scene),
         land=scene.mask.land == "global_land_mask",
+        bonded=bonded(c, effects),
     )
+
+
+def forcing_jobs(scene: Scene) -> int:
+    """Jobs that make the forcing of a run."""
+    return scene.time.windows * (2 if scene.forcing.source == "analytic" else 1)
 
 
 def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[str, float]:
@@ -114,9 +134,9 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
         Coefficients: ``<stage>`` for a job, ``<stage>_per_<size>``, ``dynamics_<effect>``.
     """
     effects = tuple(effects)
-    switched = [name for name in effects if plugin_switches((name,))]
+    switched = [e for e in effects if plugin_switches((e,)) and (e != "bonds" or s.bonded)]
     a_step = fit["dynamics"] + sum(fit.get(f"dynamics_{name}", 0.0) for name in switched)
-    jobs = {"mask": 1, "packing": 1, "initial": 1, "forcing": s.windows, "report": 2}
+    jobs = {"mask": 1, "packing": 1, "initial": 1, "forcing": s.forcing_jobs, "report": 2}
     seconds = {name: count * fit["job"] for name, count in jobs.items()}
     seconds["mask"] += fit["mask_per_cell"] * s.mask_cells
     seconds["packing"] += fit["packing_per_element"] * s.elements

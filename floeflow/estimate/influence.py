@@ -9,8 +9,9 @@ at all; the largest of the three ranks the effect. Balances of one point say wha
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 from floeflow.effects import EFFECTS
 from floeflow.estimate.conditions import Conditions
@@ -22,6 +23,8 @@ from floeflow.estimate.numbers import NUMBERS
 DRIFT_FLOOR, ICE_FLOOR = 1.0e3, 0.01
 # Parts of thermodynamics as long as they are no effects of their own.
 PARTS = ("snow", "shortwave", "frazil")
+# Share of the wind's spread by which the calm half lies below the whole.
+CALM = 0.7
 POINT = ("wind", "ocean_drag", "turning_angle", "coriolis", "tilt")
 
 
@@ -88,12 +91,13 @@ def influence(c: Conditions, name: str, effects: Iterable[str]) -> Influence:
     with_ice, without_ice = run_ice(c, there), run_ice(c, gone)
     volume, area = with_ice.volume - without_ice.volume, with_ice.area - without_ice.area
     drift = mechanical_drift(c, name, there)
-    path = run_drift(c, there)
+    paths = [run_drift(part, there) for part in calm_and_windy(c)]
     if name in POINT:
-        drift = abs(path - run_drift(c, gone))
+        others = [run_drift(part, gone) for part in calm_and_windy(c)]
+        drift = _rms([abs(a - b) for a, b in zip(paths, others, strict=True)])
     start = c.concentration * c.thickness
     scales = (
-        max(abs(path), DRIFT_FLOOR),
+        max(_rms([abs(path) for path in paths]), DRIFT_FLOOR),
         max(abs(with_ice.volume - start), ICE_FLOOR * start),
         max(abs(with_ice.area - c.concentration), ICE_FLOOR * c.concentration),
     )
@@ -102,6 +106,20 @@ def influence(c: Conditions, name: str, effects: Iterable[str]) -> Influence:
         for part, scale in zip((drift, volume, area), scales, strict=True)
     ]
     return Influence(drift, volume, area, max(shares))
+
+
+def calm_and_windy(c: Conditions) -> tuple[Conditions, Conditions]:
+    """Two halves of the ice, with less and more wind, whose root mean square is the scene's.
+
+    Where the wind is weak, what else moves the ice moves it further.
+    """
+    calm = 1.0 - CALM * min(1.0, c.wind_spread / c.wind) if c.wind else 1.0
+    windy = math.sqrt(2.0 - calm**2)
+    return replace(c, wind=calm * c.wind), replace(c, wind=windy * c.wind)
+
+
+def _rms(values: Sequence[float]) -> float:
+    return math.sqrt(sum(value**2 for value in values) / len(values))
 
 
 def without(effects: Iterable[str], name: str) -> frozenset[str]:

@@ -20,6 +20,7 @@ from floeflow.constants import ICE_DENSITY
 from floeflow.effects import EFFECTS, plugin_switches
 from floeflow.errors import FloeError
 from floeflow.estimate.conditions import Conditions, conditions
+from floeflow.estimate.cost import bonded, forcing_jobs
 from floeflow.plan.precision import resolutions
 from floeflow.plan.propose import adjusted
 from floeflow.state import read_dataset
@@ -100,8 +101,10 @@ def _fit_dynamics(runs: Sequence[Run]) -> dict[str, float]:
     for run in runs:
         steps, work = float(run.record["steps"]), float(run.record["element_steps"])
         if run.cpu.get("dynamics", 0.0) > 0 and work:
-            on = [work * (name in run.scene.effects) for name in names]
-            rows.append([steps, work, *on])
+            effects = set(run.scene.effects)
+            if not bonded(run.conditions, effects):
+                effects.discard("bonds")
+            rows.append([steps, work, *(work * (name in effects) for name in names)])
             values.append(run.cpu["dynamics"])
     found = _solve(rows, values)
     keys = ["step", "dynamics", *(f"dynamics_{name}" for name in names)]
@@ -146,10 +149,11 @@ def _fit_jobs(runs: Sequence[Run]) -> dict[str, float]:
         ],
         "forcing_per_cell": [
             (
-                (run.cpu["forcing"] + run.cpu.get("analytic", 0.0)) / run.scene.time.windows
-                - found["job"]
+                run.cpu["forcing"]
+                + run.cpu.get("analytic", 0.0)
+                - forcing_jobs(run.scene) * found["job"]
             )
-            / _cells(run.scene)
+            / (run.scene.time.windows * _cells(run.scene))
             for run in runs
             if "forcing" in run.cpu
         ],
@@ -178,15 +182,16 @@ def _cells(scene: Scene) -> float:
 
 
 def _fit_steps(runs: Sequence[Run]) -> dict[str, float]:
-    """Critical step over element size and speed of sound, with and without bonds."""
-    found: dict[str, list[float]] = {"step_bonds": [], "step_contacts": []}
+    """Critical step over element size and speed of sound: bonds, friction, bare contacts."""
+    found: dict[str, list[float]] = {"step_bonds": [], "step_friction": [], "step_contacts": []}
     for run in runs:
-        d = run.scene.dynamics
-        bonded = "bonds" in run.scene.effects and int(run.record.get("bonds", 1)) > 0
-        modulus = d.young_modulus if bonded else d.contact_modulus
+        d, effects = run.scene.dynamics, run.scene.effects
+        held = bonded(run.conditions, effects)
+        kind = "step_bonds" if held else "step_friction" if "friction" in effects else ""
+        modulus = d.young_modulus if held else d.contact_modulus
         critical = float(run.record["time_step"]) / d.step_share
         reach = run.conditions.element_size / math.sqrt(modulus / ICE_DENSITY)
-        found["step_bonds" if bonded else "step_contacts"].append(critical / reach)
+        found[kind or "step_contacts"].append(critical / reach)
     return {name: median(values) for name, values in found.items() if values}
 
 

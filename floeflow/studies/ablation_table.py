@@ -8,7 +8,6 @@ from dataclasses import asdict, dataclass
 from statistics import median
 from typing import Any
 
-import numpy as np
 from scipy.stats import spearmanr
 
 from floeflow.config import Scene
@@ -143,7 +142,7 @@ def ablation_table(
         for record in by_name.values()
         if record["group"] in guesses
     ]
-    ranked = [row for row in rows if row.name not in OUTPUT and np.isfinite(row.share)]
+    ranked = [row for row in rows if row.name not in OUTPUT]
     lean = by_name.get("lean")
     return Ablation(
         rows,

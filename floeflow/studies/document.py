@@ -18,11 +18,13 @@ from floeflow.config import Scene, load_scene
 from floeflow.config.docs import PROJECT
 from floeflow.errors import FloeError
 from floeflow.estimate.choose import scene_estimates
+from floeflow.postprocess.figures.style import write_png
 from floeflow.studies import ablation_page, accuracy_page
+from floeflow.studies.ablation_figure import ablation_figure
 from floeflow.studies.ablation_table import Ablation, ablation_table
 from floeflow.studies.accuracy_table import Accuracy, analyse
 from floeflow.studies.measures import KEPT
-from floeflow.studies.page import Table, as_markdown
+from floeflow.studies.page import DPI, Table, as_markdown
 
 EXAMPLES = ("free_drift_day", "winter_pack", "summer_melt_month", "marginal_ice_zone")
 PAGE, IMAGES = PROJECT / "docs/studies.md", PROJECT / "docs/images/studies"
@@ -35,79 +37,86 @@ What each effect changes and costs, and what accuracy costs, in four small scene
 
 
 def study_records(scene: Scene, study: str, results: Path) -> list[dict]:
-    """Records of a finished study.
-
-    Raises
-    ------
-    FloeError
-        Where there is none.
-    """
+    """Records of a study; empty where its page was never made."""
+    if not (results / scene.name / f"{study}.html").is_file():
+        return []
     folder = results / scene.name / study
     found = [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
-    found = [record for record in found if "variant" in record]
-    if not found:
-        raise FloeError(f"{folder}: there is no study here; 'make studies' runs it")
-    return found
+    return [record for record in found if "variant" in record]
 
 
-def scene_section(
-    scene: Scene, ablation: Ablation, accuracy: Accuracy, images: Sequence[str]
-) -> str:
-    """Markdown of one scene."""
-    lines = [f"## {scene.report.title or scene.name}", ""]
-    lines += [f"`config/scenes/{scene.name}.yaml`.", "", "### Effects", ""]
-    lines += [f"- {text}" for text in ablation_page.sentences(ablation, scene)]
-    lines += ["", as_markdown(ablation_page.effect_table(ablation)), ""]
-    lines += [f"![{name}](images/studies/{scene.name}_{name}.png)" for name in images[:1]]
-    lines += ["", "### Accuracy against cost", ""]
+def effects_section(scene: Scene, study: Ablation) -> str:
+    """Markdown of an ablation."""
+    lines = ["### Effects", ""]
+    lines += [f"- {text}" for text in ablation_page.sentences(study, scene)]
+    lines += ["", as_markdown(ablation_page.effect_table(study)), ""]
+    lines += [f"![Influence and saving](images/studies/{scene.name}_ablation.png)", ""]
+    return "\n".join(lines)
+
+
+def accuracy_section(scene: Scene, study: Accuracy) -> str:
+    """Markdown of an accuracy study."""
+    lines = ["### Accuracy against cost", ""]
     for table in (
-        accuracy_page.recommendation_table(accuracy, scene),
-        accuracy_page.order_table(accuracy),
+        accuracy_page.recommendation_table(study, scene),
+        accuracy_page.order_table(study),
     ):
         lines += [f"{table.title}:", "", as_markdown(table), "", table.note, ""]
-    lines += [f"![{name}](images/studies/{scene.name}_{name}.png)" for name in images[1:]]
-    return "\n".join(lines) + "\n"
+    names = [f"accuracy_{norm}" for norm in KEPT]
+    lines += [f"![{name}](images/studies/{scene.name}_{name}.png)" for name in names]
+    return "\n".join([*lines, ""])
 
 
-def summary(studies: Sequence[tuple[Scene, Ablation, Accuracy]]) -> Table:
+def summary(studies: Sequence[tuple[Scene, Ablation]]) -> Table:
     """One line for each scene: ranks of the estimates, savings, chaos, work."""
     head: tuple[str, ...] = ("scene", "rank correlation", "lean run saves (%)")
-    head += ("cost model said (%)", "lean run moves results by (%)", "chaos in positions (%)")
-    head += ("work of default run (s)",)
+    head += ("cost model said (%)", "lean run moves results by (%)", "chaos (%)")
+    head += ("work of the scene (s)",)
     rows = [
         (
             scene.name,
-            f"{ablation.rank:.2f}",
-            100 * ablation.lean_saving,
-            100 * ablation.lean_profile,
-            100 * ablation.lean_share if math.isfinite(ablation.lean_share) else "failed",
-            100 * accuracy.chaos["drift"],
-            accuracy.seconds,
+            f"{found.rank:.2f}",
+            100 * found.lean_saving,
+            100 * found.lean_profile,
+            100 * found.lean_share if math.isfinite(found.lean_share) else "failed",
+            100 * found.floor,
+            found.work_seconds,
         )
-        for scene, ablation, accuracy in studies
+        for scene, found in studies
     ]
     return Table("All scenes", head, rows)
 
 
 def write_document(results: Path = Path("results")) -> None:
-    """Write docs/studies.md and copy its figures."""
+    """Write docs/studies.md and copy its figures.
+
+    Raises
+    ------
+    FloeError
+        Where no example scene has a finished study.
+    """
     IMAGES.mkdir(parents=True, exist_ok=True)
-    found, sections = [], []
+    found: list[tuple[Scene, Ablation]] = []
+    sections = []
     for name in EXAMPLES:
         scene = load_scene(PROJECT / f"config/scenes/{name}.yaml")
-        ablation = ablation_table(
-            scene, study_records(scene, "ablation", results), scene_estimates(scene)
-        )
-        accuracy = analyse(scene, study_records(scene, "accuracy", results), results)
-        images = ["ablation", *(f"accuracy_{norm}" for norm in KEPT)]
-        for image in images:
-            study = image.partition("_")[0]
-            source = results / name / study / "figures" / f"{image}.png"
-            if not source.is_file():
-                raise FloeError(f"{source}: the figure of a study is missing")
-            shutil.copyfile(source, IMAGES / f"{name}_{image}.png")
-        found.append((scene, ablation, accuracy))
-        sections.append(scene_section(scene, ablation, accuracy, images))
+        parts = []
+        if records := study_records(scene, "ablation", results):
+            ablation = ablation_table(scene, records, scene_estimates(scene))
+            found.append((scene, ablation))
+            parts.append(effects_section(scene, ablation))
+            # Drawn anew: the estimates may be those of a later fit.
+            write_png(ablation_figure(ablation), IMAGES / f"{name}_ablation.png", DPI)
+        if records := study_records(scene, "accuracy", results):
+            parts.append(accuracy_section(scene, analyse(scene, records, results)))
+            for norm in KEPT:
+                source = results / name / f"accuracy/figures/accuracy_{norm}.png"
+                shutil.copyfile(source, IMAGES / f"{name}_accuracy_{norm}.png")
+        if parts:
+            title = f"## {scene.report.title or scene.name}\n\n`config/scenes/{name}.yaml`\n"
+            sections += [title, *parts]
+    if not sections:
+        raise FloeError(f"{results}: no example scene was studied; 'make studies' does it")
     head = HEAD.format(machine=machine())
     PAGE.write_text("\n".join([head, as_markdown(summary(found)), "", *sections]))
 

@@ -50,7 +50,7 @@ def knobs(scene: Scene) -> list[Knob]:
     """Knobs that act in a scene."""
     found = [_step(scene), _stiffness(scene), _elements(scene), _window(scene), _spacing(scene)]
     if "thermodynamics" in scene.effects:
-        found += [_column_step(scene), _scheme(scene), _categories(scene)]
+        found += [_column_step(scene), _splitting(scene), _scheme(scene), _categories(scene)]
         # Zero-layer ice has none.
         if scene.column.scheme != SCHEMES[-1]:
             found.append(_layers(scene))
@@ -135,6 +135,17 @@ def _spacing(scene: Scene) -> Knob:
     coarse = [float(n) for n in (2, 4) if all((w / domain.spacing / n) % 1 == 0 for w in widths)]
     levels = (*fine, 1.0, *coarse)
     return Knob("forcing_grid", "cells of the forcing's grid", 2.0, levels, changes)
+
+
+def _splitting(scene: Scene) -> Knob:
+    """Column around the dynamics stands for half a level: it costs nearly nothing."""
+    ways = ("around", "after")
+    levels = (0.5, 1.0) if scene.column.splitting == "after" else (1.0, 2.0)
+
+    def changes(level: float) -> Changes:
+        return {"column.splitting": ways[levels.index(level)]}
+
+    return Knob("splitting", "column after or around the dynamics", None, levels, changes)
 
 
 def _scheme(scene: Scene) -> Knob:

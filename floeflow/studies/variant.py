@@ -15,7 +15,6 @@ from floeflow.errors import FloeError
 from floeflow.postprocess.diagnostics import write_json
 from floeflow.studies.compare import differences, mean_drift, read_ends, scales, totals
 from floeflow.studies.nested import Outcome, read_outcome, run_scene
-from floeflow.studies.plans import study_variants
 from floeflow.studies.share import link_shared
 from floeflow.studies.variants import BASE, Variant, variant_keys, write_variant
 
@@ -46,15 +45,14 @@ def results_of(base: Scene, variant: Scene, outcome: Outcome) -> dict[str, Any]:
 
 
 def run_variant(path: Path, scene: Scene, study: str, variant: Variant) -> dict[str, Any]:
-    """Run a variant of a scene file and return its record, in JSON types."""
+    """Run a variant of a scene file and return its record, in JSON types.
+
+    The base run of the study must be there, unless this is it.
+    """
     folder = Path("results") / scene.name / study
-    runs = {}
-    for each in {BASE, variant.name}:
-        wanted = study_variants(study, scene)[each]
-        file = folder / "scenes" / f"{each}.yaml"
-        write_variant(variant_keys(path, scene, study, wanted), file)
-        runs[each] = (file, load_scene(file))
-    base, (file, own) = runs[BASE][1], runs[variant.name]
+    file = folder / "scenes" / f"{variant.name}.yaml"
+    own = write_variant(variant_keys(path, scene, study, variant), file)
+    base = own if variant.name == BASE else load_scene(folder / "scenes" / f"{BASE}.yaml")
     if variant.name != BASE:
         logging.info("%d files are the base run's", link_shared(base, own))
     fault = run_scene(file, own, folder / "log" / f"{variant.name}.workflow.log")
@@ -83,8 +81,8 @@ def read_record(path: Path) -> dict[str, Any]:
 def main(snakemake: stage.Snakemake) -> None:
     """Rule ``variant``."""
     scene = stage.scene(snakemake)
-    study, name = snakemake.wildcards.study, snakemake.wildcards.variant
-    variant = study_variants(study, scene)[name]
+    variant = Variant.from_text(snakemake.params.variant)
+    study = str(snakemake.wildcards.study)
     record = run_variant(Path(snakemake.config["scene"]), scene, study, variant)
     write_json(record, Path(str(snakemake.output.record)))
 

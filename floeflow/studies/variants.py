@@ -10,7 +10,7 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -45,8 +45,13 @@ class Variant:
     label: str = ""
 
     def as_text(self) -> str:
-        """The changes as one line of JSON, for a rule's parameters."""
-        return json.dumps(self.changes, sort_keys=True)
+        """The variant as one line of JSON, for a rule's parameters."""
+        return json.dumps(asdict(self), sort_keys=True)
+
+    @classmethod
+    def from_text(cls, text: str) -> Variant:
+        """Read what `as_text` wrote."""
+        return cls(**json.loads(text))
 
 
 def run_name(scene: str, study: str, variant: str) -> str:

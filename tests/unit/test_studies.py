@@ -59,6 +59,7 @@ def test_a_variant_is_a_scene_of_its_own(tmp_path: Path):
     made = load_scene(path)
     assert made.name == "smoke--accuracy-fine" and made.packing.elements == 400
     assert made.effects == scene.effects and made.domain == scene.domain
+    assert Variant.from_text(variant.as_text()) == variant
     assert made.workflow.windows_per_job == scene.time.windows
     before = path.stat().st_mtime_ns
     write_variant(variant_keys(SMOKE, scene, "accuracy", variant), path)

@@ -111,7 +111,7 @@ def study_records(study):
     return [f"{RUN.folder}/{study}/{name}.json" for name in names]
 
 
-def variant_changes(wildcards):
+def variant_text(wildcards):
     """What a run changes in the scene: another change runs it again."""
     variants = study_variants(wildcards.study, RUN.scene)
     return variants[wildcards.variant].as_text()

@@ -21,7 +21,7 @@ rule variant:
         runtime=240,
     params:
         scene_keys=keys_of("mask", "packing", "bonds", "dynamics", "column", "estimate"),
-        changes=variant_changes,
+        variant=variant_text,
     message:
         "Study {wildcards.study}: {wildcards.variant}"
     script:
