@@ -59,9 +59,16 @@ class Sheet:
     spacing: float
 
 
-def make_sheet(elements: int, ice: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Sheet:
-    """Sheet of five categories with snow, smooth concentrations and surface temperatures."""
-    setting = scene(elements)
+def make_sheet(
+    elements: int, ice: Callable[[np.ndarray, np.ndarray], np.ndarray], layers: bool = False
+) -> Sheet:
+    """Sheet of five categories with snow, smooth concentrations and surface temperatures.
+
+    With layers also enthalpies and salinities that wave with temperature.
+    """
+    scheme = "mushy" if layers else "zero_layer"
+    extra = f"column: {{scheme: {scheme}, categories: {CATEGORIES}}}\n"
+    setting = scene(elements, extra=extra)
     mask = square_sea(ice)
     packed = packing.make_packing(mask, setting.packing, setting.seed)
     made = read_cells(cells.make_cells(mask, packed, setting.seed))
@@ -70,6 +77,9 @@ def make_sheet(elements: int, ice: Callable[[np.ndarray, np.ndarray], np.ndarray
     state = state.drop_vars(wide)
     for name, values in smooth(state["x"].values, state["y"].values).items():
         state[name] = (("element", "category"), values)
+    wave = (state["surface_temperature"].values - 255.0) / 12.0
+    for name in [n for n in state if state[n].ndim == 3]:
+        state[name].values[:] *= 1.0 + 0.1 * wave[:, :, None]
     state["u"] = ("element", 0.3 + 0.2 * np.sin(2e-6 * np.pi * state["y"].values))
     state["v"] = ("element", 0.2 * np.cos(2e-6 * np.pi * state["x"].values))
     spacing = float(np.sqrt(state["area"].values.sum() / elements))

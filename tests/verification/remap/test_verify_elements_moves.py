@@ -90,6 +90,20 @@ def test_a_hundred_remaps(sheet: Sheet, name: str) -> None:
         assert errors[0] < 0.5 * errors[1]
 
 
+@pytest.mark.parametrize("steps", [5, pytest.param(100, marks=pytest.mark.slow)])
+def test_enthalpy_and_salt(steps: int) -> None:
+    sheet = make_sheet(120, disc(0.32 * SIDE), layers=True)
+    last, around = repeat(sheet, round_trip(0.3 * sheet.spacing, steps), steps)
+    assert_right(sheet, last, around, ROUND_OFF)
+    layered = [name for name in last if last[name].ndim == 3]
+    assert "ice_enthalpy" in layered and "ice_salinity" in layered
+    for before, after in around:
+        for name in layered:
+            old, new = (s[name].values[s["type"].values == MOBILE] for s in (before, after))
+            size = ROUND_OFF * np.abs(old).max()
+            assert old.min() - size <= new.min() and new.max() <= old.max() + size, name
+
+
 @pytest.mark.parametrize("part", [0.1, 0.5, 0.9])
 def test_cells_stay_within_their_own_sources(sheet: Sheet, part: float) -> None:
     moved = displaced(sheet.state, round_trip(part * sheet.spacing, 7), 2)
