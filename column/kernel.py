@@ -36,7 +36,6 @@ from floeflow.column.scattering import new_rays
 from floeflow.column.shortwave_eddington import MEDIA, ice_media
 from floeflow.column.tidy import clear, empty, melt_sides, open_area, rebin
 
-
 HOUR = 3600.0  # s
 SKY = 10.0  # K by which a clear sky may make a surface colder than the air
 
