@@ -115,8 +115,8 @@ QUANTITIES: dict[str, Quantity] = {
         ("fsitherm", "ocean_heat_flux"),
         _FLUX,
         "W m-2",
-        -1.0e4,
-        1.0e4,
+        -500.0,
+        5.0e3,
         True,
     ),
 }

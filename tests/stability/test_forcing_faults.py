@@ -18,7 +18,7 @@ from floeflow.config.blocks import Scene
 from floeflow.errors import FloeError
 from floeflow.preprocess import analytic, forcing
 
-ALL = ("wind", "ocean_drag", "coriolis", "tilt", "thermodynamics")
+ALL = ("wind", "ocean_drag", "coriolis", "tilt", "thermodynamics", "snow", "shortwave")
 DOMAIN = {"x_min": -1.6e6, "x_max": -1.2e6, "y_min": 0.8e6, "y_max": 1.2e6, "spacing": 1e5}
 MIDDLE = (2, 5, 40)  # time, lat, lon: seen by the scene
 
@@ -130,6 +130,6 @@ def test_forcing_that_ends_too_soon_is_named(scene: Scene, good: xr.Dataset, tmp
 
 
 def test_a_gap_in_time_is_named(scene: Scene, good: xr.Dataset, tmp_path: Path):
-    # Six-hourly but for a hole: 0 h, 6 h, then 24 h.
-    said = refusal(scene, good.isel(time=[0, 1, 4]), tmp_path / "f.nc", "time")
+    # Six-hourly but for a hole: 12 h, then 24 h.
+    said = refusal(scene, good.isel(time=[0, 1, 2, 4]), tmp_path / "f.nc", "time")
     assert "gap" in said, said
