@@ -6,7 +6,7 @@ capacity is a thousand times that of ice, sun on a millimetre of ice, weather th
 ice without salt, steps of a second and of a day. Column codes divide by thickness, by salinity and
 by the distance to melting; Icepack aborts the run where its iteration fails. What must hold: no
 abort; all finite and bounded; energy, water, salt and ponds closed to round-off in every step; the
-surface balanced; long steps near what short ones give.
+surface balanced.
 """
 
 from __future__ import annotations

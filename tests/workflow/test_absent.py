@@ -10,6 +10,7 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 from runner import Done, Place, make_place
@@ -144,3 +145,14 @@ def test_a_scene_without_ice_runs_to_its_report(place: Place):
     assert not (state["type"].values == 1).any()
     assert state.attrs["unclaimed_water"] == state.attrs["ocean_area"] > 0
     assert "no ice" in (place.results() / "report.html").read_text()
+
+
+def test_a_scene_of_one_element_runs_to_its_report(place: Place):
+    scene = place.scene(packing={"elements": 1}, time={"windows": 1})
+    done = place.run(scene, ranks=1)
+    assert done.returncode == 0, done.stdout
+    state = read_state(place.results() / "state/0001.nc")
+    assert (state["type"].values == 1).any()
+    for name in ("x", "y", "u", "v", "ice_volume", "area"):
+        assert np.isfinite(state[name].values).all(), name
+    assert (place.results() / "report.html").exists()
