@@ -203,10 +203,12 @@ def test_any_column(
     if mushy:
         assert np.abs(salt_residual(before, after, sums)).max() < hours * 1e-12
     assert (sums["rescued"] <= sums["solves"]).all()
-    assert np.abs(pond_residual(before, after, sums)).max() < 1e-14
+    assert np.abs(pond_residual(before, after, sums)).max() < hours * 1e-14
     light = forcing[0, :, 5] + forcing[0, :, 6]
     shone = sums["light_absorbed"] + sums["light_to_sea"]
-    assert (shone <= light * before.ice_fraction.sum(axis=1) * dt * (1.0 + 1e-12)).all()
+    # The light is dealt out before the ice changes; in a step of several parts it may grow first.
+    lit = before.ice_fraction.sum(axis=1) if hours == 1.0 else 1.0
+    assert (shone <= light * lit * dt * (1.0 + 1e-12)).all()
     assert (shone >= 0.0).all()
 
     part = slice(n // 3, n // 2)
