@@ -10,6 +10,7 @@ whole folder is bound in, so that a change of any module compiles anew.
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,9 @@ from floeflow.column.records import Column, category_energy, category_water, new
 from floeflow.column.scattering import new_rays
 from floeflow.column.shortwave_eddington import MEDIA, ice_media
 from floeflow.column.tidy import clear, empty, melt_sides, open_area, rebin
+
+HOUR = 3600.0  # s
+SKY = 10.0  # K by which a clear sky may make a surface colder than the air
 
 
 @jit
@@ -203,6 +207,29 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
 
 
 @jit
+def parts_of_step(c, f, dt, p):
+    """Parts, an hour at most, into which a column cuts a step in which thin ice would outgrow.
+
+    Growth takes the flux through the ice of the step's start. By Stefan's law ice of thickness h
+    grows by less than a quarter of it where h**2 is above 4 k (T_freezing - T_air) dt / L; of mush
+    a part only must freeze, so that it grows as much faster.
+    """
+    if dt <= HOUR:
+        return 1
+    latent = p.ice_density * p.fusion * ((1.0 - p.bottom_liquid) if p.mushy else 1.0)
+    colder = freezing_temperature(f[r.SEA_SALINITY], p) - (f[r.POTENTIAL_TEMPERATURE] - KELVIN)
+    reach = 4.0 * p.mush_ice_conductivity * max(colder + SKY, 0.0) * dt / latent
+    thinnest, water = 1e3, 1.0
+    for n in range(c.area.size):
+        if c.area[n] > TINY:
+            thinnest = min(thinnest, c.ice[n] / c.area[n])
+            water -= c.area[n]
+    if water > TINY:
+        thinnest = 0.0
+    return math.ceil(dt / HOUR) if thinnest * thinnest < reach else 1
+
+
+@jit
 def step_some(
     begin, end, area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea,
     level, pending, w, s, rays, forcing, bounds, sums, dt, constants,
@@ -215,9 +242,12 @@ def step_some(
             level[e],
         )  # fmt: skip
         for step in range(forcing.shape[0]):
-            sea[e], pending[e] = step_column(
-                c, sea[e], pending[e], w, s, rays, forcing[step, e], bounds, sums[e], dt, p
-            )
+            f = forcing[step, e]
+            parts = parts_of_step(c, f, dt, p)
+            for _ in range(parts):
+                sea[e], pending[e] = step_column(
+                    c, sea[e], pending[e], w, s, rays, f, bounds, sums[e], dt / parts, p
+                )
 
 
 def _build(digest: str) -> Callable[..., Any]:

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import fields
 
 import numpy as np
 
 from floeflow.column.categories import category_bounds
 from floeflow.column.enthalpy import salinity_profile
+from floeflow.column.kernel import HOUR
 from floeflow.column.layered import (
     LayeredState,
     ice_energy,
@@ -164,7 +166,7 @@ def advance(
         lot = forcing[k : k + at_once]
         after, sums = step(state, lot, dt, BOUNDS, p)
         hold(after)
-        closed(state, after, sums, dt, p, len(lot))
+        closed(state, after, sums, dt, p, len(lot) * math.ceil(dt / HOUR))
         state = after
         total = {name: total.get(name, 0.0) + sums[name] for name in sums}
     return state, total

@@ -6,7 +6,7 @@ capacity is a thousand times that of ice, sun on a millimetre of ice, weather th
 ice without salt, steps of a second and of a day. Column codes divide by thickness, by salinity and
 by the distance to melting; Icepack aborts the run where its iteration fails. What must hold: no
 abort; all finite and bounded; energy, water, salt and ponds closed to round-off in every step; the
-surface balanced.
+surface balanced; long steps near what short ones give.
 """
 
 from __future__ import annotations
@@ -182,6 +182,28 @@ def test_a_year_with_an_ice_free_summer(name: str, record):
     record(days_without_ice=sum(free), warmest_sea=warmest, ice_at_end=volume[-1])
     assert 20 < sum(free) < 200 and 0.0 < warmest < 15.0
     assert 0.3 < volume[-1] < 3.0 and max(volume) < 4.0 and sea < 0.0
+
+
+WINTERS = {
+    "cold": {},
+    "storm": {"potential_temperature": 220.0, "wind": 30.0, "longwave": 120.0},
+}
+
+
+@pytest.mark.parametrize("winter", WINTERS)
+@pytest.mark.parametrize("name", ["bl99", "mushy"])
+def test_daily_steps_grow_what_hourly_steps_grow(name: str, winter: str, record):
+    """Open water and ice of any thickness, five days: flux through no ice lasts no day."""
+    p, start = PHYSICS[name], np.array([0.0, 1e-6, 1e-3, 0.05, 0.2, 0.5, 2.0])
+    grown = []
+    for dt in (DAY, 7200.0, 600.0):
+        before = columns(p, start, area=np.where(start > 0.0, 1.0, 0.0))
+        after, _ = step(before, weather(int(5 * DAY / dt), 7, **WINTERS[winter]), dt, BOUNDS, p)
+        grown.append(after.ice_volume.sum(axis=1))
+    worst = np.abs(grown[0] / grown[2] - 1.0).max()
+    record(daily_over_ten_minutes=worst)
+    assert worst < 0.1
+    assert np.abs(grown[1] / grown[2] - 1.0).max() < 0.1
 
 
 def test_columns_of_a_case_do_not_touch_each_other():

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from floeflow.column.categories import category_bounds
 from floeflow.column.enthalpy import salinity_profile
+from floeflow.column.kernel import HOUR
 from floeflow.column.layered import (
     LayeredState,
     ice_energy,
@@ -189,20 +190,25 @@ def test_any_column(
     after, sums = step(before, forcing, dt, bounds, p)
     sound(after)
     most = np.maximum(np.abs(ice_energy(before)), np.abs(ice_energy(after)))
-    allowed = np.maximum(1e-8 * dt, 1e-14 * most)
+    hours = max(1.0, dt / HOUR)  # into which a step may be cut: round-off adds up
+    allowed = np.maximum(1e-8 * dt, hours * 1e-14 * most)
     assert (np.abs(ice_residual(before, after, sums)) <= allowed).all()
     sea = P.heat_water * P.water_density * DEPTH * 3.0  # J/m2, the most that it holds
-    assert (np.abs(sea_residual(before, after, sums, DEPTH, p)) <= 1e-8 * dt + 1e-15 * sea).all()
+    assert (
+        np.abs(sea_residual(before, after, sums, DEPTH, p)) <= 1e-8 * dt + hours * 1e-15 * sea
+    ).all()
     ice, snow = water_residual(before, after, sums)
-    assert np.abs(ice).max() < 2e-14
-    assert np.abs(snow).max() < 2e-15
+    assert np.abs(ice).max() < hours * 2e-14
+    assert np.abs(snow).max() < hours * 2e-15
     if mushy:
-        assert np.abs(salt_residual(before, after, sums)).max() < 1e-12
+        assert np.abs(salt_residual(before, after, sums)).max() < hours * 1e-12
     assert (sums["rescued"] <= sums["solves"]).all()
-    assert np.abs(pond_residual(before, after, sums)).max() < 1e-14
+    assert np.abs(pond_residual(before, after, sums)).max() < hours * 1e-14
     light = forcing[0, :, 5] + forcing[0, :, 6]
     shone = sums["light_absorbed"] + sums["light_to_sea"]
-    assert (shone <= light * before.ice_fraction.sum(axis=1) * dt * (1.0 + 1e-12)).all()
+    # The light is dealt out before the ice changes; in a step of several parts it may grow first.
+    lit = before.ice_fraction.sum(axis=1) if hours == 1.0 else 1.0
+    assert (shone <= light * lit * dt * (1.0 + 1e-12)).all()
     assert (shone >= 0.0).all()
 
     part = slice(n // 3, n // 2)
