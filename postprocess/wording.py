@@ -125,11 +125,17 @@ def cards(numbers: Mapping[str, Any], wall_seconds: float) -> list[Card]:
             "DEM time step",
             f"{number(numbers.get('time_step'), 3)} s",
             f"{number(numbers['steps'])} steps"
-            + (f", limited by a {str(limit).split()[0]}" if limit else ""),
+            + (f", limited by {_limiter(str(limit))}" if limit else ""),
         )
     )
     found.append(Card("Wall time", duration(wall_seconds), "all timed stages"))
     return found
+
+
+def _limiter(reason: str) -> str:
+    """What limits the time step, as ``critical_step`` says it: a bond, or contacts."""
+    kind = reason.split()[0]
+    return f"a {kind}" if kind == "bond" else kind
 
 
 def _change(start: float, end: float) -> str:
