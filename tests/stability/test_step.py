@@ -59,7 +59,10 @@ def setting(
 ) -> tuple[Arrays, Arrays, EngineParams, float]:
     """A shaken pack, its bonds, its laws and its critical step."""
     pack = shaken(PACKS[name](), 1e-5)
-    bonds, laws = neighbours(pack), replace(LAWS, bond_damping=damping, young_modulus=young)
+    laws = replace(
+        LAWS, bond_damping=damping, young_modulus=young, compressive_strength=0.1 * young
+    )
+    bonds = neighbours(pack)
     return pack, bonds, laws, critical_step(pack, bonds, laws)[0]
 
 
