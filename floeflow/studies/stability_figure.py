@@ -36,7 +36,7 @@ def stability_map(
     axes.set_xticks(range(len(dampings)), [f"{damping:g}" for damping in dampings])
     axes.set_xlabel("damping of bonds / critical damping")
     axes.set_ylabel("largest stable step / critical step")
-    axes.set_ylim(0.0, None)
+    axes.set_ylim(0.0, 1.2)
     axes.legend(fontsize=7, ncols=2)
     return figure
 
