@@ -71,5 +71,6 @@ def scene(snakemake: Snakemake) -> Scene:
 
 
 def scene_folder(snakemake: Snakemake) -> Path:
-    """``results/<scene>`` of the running stage."""
-    return Path("results") / str(snakemake.wildcards.scene)
+    """``results/<scene>`` of the running stage; the folder of its output where it has no scene."""
+    name = getattr(snakemake.wildcards, "scene", None)
+    return Path("results") / str(name) if name else Path(str(snakemake.output[0])).parent

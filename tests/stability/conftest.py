@@ -40,7 +40,9 @@ def pytest_runtest_makereport(item: pytest.Item):  # noqa: ANN201
     entry: dict[str, object] = {
         "module": item.path.stem.removeprefix("test_"),
         "test": item.name,
-        "what": (item.function.__doc__ or item.name.replace("_", " ").removeprefix("test ")),
+        "what": (
+            item.function.__doc__ or item.originalname.replace("_", " ").removeprefix("test ")
+        ),
         "outcome": "expected failure" if hasattr(report, "wasxfail") else report.outcome,
         "figures": dict(item.user_properties),
     }

@@ -59,6 +59,7 @@ def test_a_state_cut_at_every_page_is_refused(written: bytes, tmp_path: Path, re
     record(places=len(cuts), refused=len(cuts))
 
 
+@pytest.mark.slow  # HDF5 may read some damaged files for minutes
 # Flips are looked for by chance: most bits of the file are data, and some are padding.
 @given(where=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7))
 def test_a_flipped_bit_is_refused_or_changes_nothing(written: bytes, tmp_path_factory, where, bit):
