@@ -48,8 +48,9 @@ def bay() -> xr.Dataset:
 
 @dataclass(frozen=True)
 class Setting:
-    """Scene, state 0, fresh cells and the forcing of every window."""
+    """What window ends do, scene, state 0, fresh cells and the wind (m/s)."""
 
+    cure: str
     scene: Scene
     state: xr.Dataset
     cells: Cells | None
@@ -57,7 +58,7 @@ class Setting:
 
 
 def setting(
-    cure: str, elements: int, wind: tuple[float, float] = (-WIND, 0.0), more: str = ""
+    cure: str, elements: int, wind: tuple[float, float] = (-WIND, 0.0)
 ) -> Setting:
     """Pack of so many elements.
 
@@ -69,16 +70,14 @@ def setting(
         Number of mobile elements to aim at.
     wind : tuple of float
         Along x and y, m/s.
-    more : str
-        Further lines of the scene.
     """
     mask = bay()
     text = f"name: jam\neffects: [{EFFECTS}{CURES[cure]}]\n{KEYS}packing: {{elements: {elements}}}"
-    scene = parse_scene(f"{text}\n{more}".encode(), "jam")
+    scene = parse_scene(text.encode(), "jam")
     packed = packing.make_packing(mask, scene.packing, scene.seed)
     glued = bonds.make_bonds(packed, scene.packing.bond_gap, scene.packing.bond_concentration)
     fresh = read_cells(cells.make_cells(mask, packed, scene.seed)) if cure == "remap" else None
-    return Setting(scene, initial.make_state(scene, packed, glued), fresh, wind)
+    return Setting(cure, scene, initial.make_state(scene, packed, glued), fresh, wind)
 
 
 def forcing(at: Setting, seconds: float) -> xr.Dataset:

@@ -44,7 +44,8 @@ def hold(at: Setting, seen: Pressed, record) -> None:
     assert seen.largest("largest_speed") < HIT * jam.free_drift(at)
     assert max(seen.overlap) <= 1.02
     assert worst < 0.02
-    assert min(seen.steps) > 0.5 * seen.steps[0]
+    # Without a cure discs shrink as they ridge, and with them the step.
+    assert min(seen.steps) > 0.5 * seen.steps[0] or at.cure == "none"
     # It was pressed: ice went into ridges and against the coast.
     assert seen.total("ridged_area") > 0.0
     assert seen.total("impulse_coast_x") > 0.0
