@@ -57,9 +57,7 @@ class Setting:
     wind: tuple[float, float]
 
 
-def setting(
-    cure: str, elements: int, wind: tuple[float, float] = (-WIND, 0.0)
-) -> Setting:
+def setting(cure: str, elements: int, wind: tuple[float, float] = (-WIND, 0.0)) -> Setting:
     """Pack of so many elements.
 
     Parameters
@@ -162,9 +160,7 @@ class Pressed:
         return sum(float(each[name]) for each in self.series)
 
 
-def press(
-    at: Setting, windows: int, log: Path, comm: MPI.Comm = MPI.COMM_SELF
-) -> Pressed:
+def press(at: Setting, windows: int, log: Path, comm: MPI.Comm = MPI.COMM_SELF) -> Pressed:
     """Advance window after window; at the end of each all must be finite, there and in bounds."""
     seen = Pressed(at.state)
     first = ice_volume(at.state)

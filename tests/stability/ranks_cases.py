@@ -60,9 +60,7 @@ def vanishing_mass(comm: MPI.Comm, log: Path) -> Shown:
     pack = mixed_masses()
     params = default_step(pack, None, EngineParams(time_step=1.0, **WIND_LAWS), 0.8)
     wind = jumping(params.time_step, 400)
-    seen = watch(
-        log, pack, params, 300 * params.time_step, forcing=wind, samples=4, comm=comm
-    )
+    seen = watch(log, pack, params, 300 * params.time_step, forcing=wind, samples=4, comm=comm)
     slow = seen.largest_speed < 1.01 * fastest_drift(params)
     return {
         "exact": of(seen) | {"slow": slow, "parted": seen.largest_overlap < 0.01},

@@ -2,10 +2,11 @@
 """Hard case 4: ten days of a wind of 20 m/s against a coast, with what windows do at their ends.
 
 Within a window ridging moves rest overlaps; at its end the areas close, discs shrink, are merged or
-replaced, and contacts and ridges must go on with the forces that they had: what is wrong by a little
-adds up over forty windows, and a pack under full load would jump at each. What must hold: finite,
-nothing lost, volume and sea to 1e-12, energy of each window accounted for, speeds below what the
-wind gives, overlaps within what the ridging force takes, a time step that does not run away.
+replaced, and contacts and ridges must go on with the forces that they had: what is wrong by a
+little adds up over forty windows, and a pack under full load would jump at each. What must hold:
+finite, nothing lost, volume and sea to 1e-12, energy of each window accounted for, speeds below
+what the wind gives, overlaps within what the ridging force takes, and where elements are merged or
+replaced a time step that does not run away.
 """
 
 from __future__ import annotations

@@ -51,9 +51,7 @@ def verdicts(tmp_path_factory: pytest.TempPathFactory) -> dict[int, dict[str, An
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_one_verdict_on_any_number_of_ranks(
-    verdicts: dict[int, dict[str, Any]], case: str, record
-):
+def test_one_verdict_on_any_number_of_ranks(verdicts: dict[int, dict[str, Any]], case: str, record):
     """The same verdict on 1, 2 and 4 ranks."""
     one = verdicts[1][case]
     apart = 0.0

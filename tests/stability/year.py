@@ -106,10 +106,10 @@ class Start:
     cells: str
 
 
-def prepare(
+def make_scene(
     project: Path, place: Path, start: str, windows: int, per_job: int, more: tuple[str, ...] = ()
-) -> Start:
-    """Make the scene, its forcing file and state 0.
+) -> Scene:
+    """Make the scene and its forcing file.
 
     Parameters
     ----------
@@ -134,6 +134,11 @@ def prepare(
     (place / "year.yaml").write_text(yaml.safe_dump(text))
     scene = load_scene(place / "year.yaml")
     forcing_file(scene, path, windows)
+    return scene
+
+
+def prepare(project: Path, place: Path, scene: Scene) -> Start:
+    """Make state 0 of the scene, and fresh cells where it remaps."""
     ice = mask.make_mask(scene, land.make_land(scene)["land_fraction"].values)
     packed = packing.make_packing(ice, scene.packing, scene.seed)
     glued = bonds.make_bonds(packed, scene.packing.bond_gap, scene.packing.bond_concentration)
