@@ -73,6 +73,14 @@ def _near(old: Arrays, gap: float) -> tuple[Index, Index]:
     return lo[keep], hi[keep]
 
 
+def _beside(old: Arrays, gap: float) -> sparse.csr_matrix:
+    """Table of old pairs: 1 where they lie side by side, and of each element with itself."""
+    count = len(old["id"])
+    pairs = _near(old, gap)
+    near = _table(count, *pairs, np.ones(len(pairs[0])))
+    return sparse.csr_matrix((near + near.T).sign() + sparse.identity(count, format="csr"))
+
+
 def holding(
     old: Arrays, bonds: Arrays, gap: float
 ) -> tuple[sparse.csr_matrix, sparse.csr_matrix, sparse.csr_matrix]:
@@ -264,7 +272,9 @@ def fresh_contacts(
     near &= (fresh["thickness"][lo] > 0) & (fresh["thickness"][hi] > 0)
     lo, hi, overlap = lo[near], hi[near], (reach - distance)[near]
     weight = mean_over_parts(table(np.ones(len(pressed))), share, lo, hi)
-    keep = weight >= LEAST_PRESSED
+    # Parts that do not lie side by side say nothing.
+    keep = weight >= LEAST_PRESSED * mean_over_parts(_beside(old, gap), share, lo, hi)
+    keep &= weight > 0.0
     lo, hi, overlap, weight = lo[keep], hi[keep], overlap[keep], weight[keep]
 
     def mean(values: Array) -> Array:

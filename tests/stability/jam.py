@@ -28,11 +28,14 @@ WIND = 20.0
 HOUR = 3600.0
 WINDOW = 6.0 * HOUR
 EFFECTS = "wind, ocean_drag, coriolis, friction, bonds, coast, ridging"
-CURES = {"none": "", "remap": ", remap", "merge": ", merge"}
-KEYS = (
-    f"time: {{window: {WINDOW}}}\nforcing: {{step: {WINDOW}}}\ndynamics: {{samples: 6}}\n"
-    "remap: {every: 1}\nmerge: {radius: 0.9}\n"
-)
+# What a window's end does about distortion: effect and keys.
+CURES = {
+    "none": ("", ""),
+    "remap": (", remap", ""),
+    "remap every window": (", remap", "remap: {every: 1}\n"),
+    "merge": (", merge", "merge: {radius: 0.9}\n"),
+}
+KEYS = f"time: {{window: {WINDOW}}}\nforcing: {{step: {WINDOW}}}\ndynamics: {{samples: 6}}\n"
 
 
 def bay() -> xr.Dataset:
@@ -63,18 +66,21 @@ def setting(cure: str, elements: int, wind: tuple[float, float] = (-WIND, 0.0)) 
     Parameters
     ----------
     cure : str
-        What a window's end does about distortion: none, remap or merge.
+        One of `CURES`.
     elements : int
         Number of mobile elements to aim at.
     wind : tuple of float
         Along x and y, m/s.
     """
     mask = bay()
-    text = f"name: jam\neffects: [{EFFECTS}{CURES[cure]}]\n{KEYS}packing: {{elements: {elements}}}"
-    scene = parse_scene(text.encode(), "jam")
+    effect, keys = CURES[cure]
+    text = f"name: jam\neffects: [{EFFECTS}{effect}]\n{KEYS}{keys}"
+    scene = parse_scene(f"{text}packing: {{elements: {elements}}}".encode(), "jam")
     packed = packing.make_packing(mask, scene.packing, scene.seed)
     glued = bonds.make_bonds(packed, scene.packing.bond_gap, scene.packing.bond_concentration)
-    fresh = read_cells(cells.make_cells(mask, packed, scene.seed)) if cure == "remap" else None
+    fresh = None
+    if "remap" in scene.effects:
+        fresh = read_cells(cells.make_cells(mask, packed, scene.seed))
     return Setting(cure, scene, initial.make_state(scene, packed, glued), fresh, wind)
 
 

@@ -217,7 +217,7 @@ CASES: dict[str, Case] = {
     "3 radius of nothing": radius_of_nothing,
     "4 arch over a strait": arch_over_a_strait,
     "4 jam, no cure": jam_in_windows("none"),
-    "4 jam, remap": jam_in_windows("remap"),
+    "4 jam, remap": jam_in_windows("remap every window"),
     "4 jam, merge": jam_in_windows("merge"),
     "5 shattering": shattering,
     "5 ice that nothing breaks": ice_that_nothing_breaks,

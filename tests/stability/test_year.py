@@ -167,7 +167,8 @@ def test_a_year_of_daily_windows(project: Path, tmp_path: Path, more: tuple[str,
     """366 windows in launches of 61, from the first day of December to the next."""
     scene = year.make_scene(project, tmp_path, "1983-12-01", 366, 61, more)
     at = year.prepare(project, tmp_path, scene)
-    seen = live(at, 2)
+    # On one rank: so few elements wait for each other more than they compute.
+    seen = live(at, 1)
     hold(at, seen, record)
     # Tables do not grow from season to season.
     assert max(seen.bytes[183:]) < 1.2 * max(seen.bytes[:183])
