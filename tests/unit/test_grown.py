@@ -71,6 +71,21 @@ def test_ice_that_melts_takes_its_force_with_it(factor: float):
         np.testing.assert_array_equal(after[name].values, melted[name].values, err_msg=str(name))
 
 
+def test_open_water_takes_up_what_pressed():
+    before, opened = pressed_row(0.1), pressed_row(0.1)
+    opened["ice_fraction"].values[2, 0] = 0.25
+    after = keep_forces(before, opened, LEAST, 0.0)
+    np.testing.assert_allclose(overlaps(after), [PRESSED, 0.25 * PRESSED], rtol=1e-9)
+
+
+def test_first_ice_does_not_inherit_the_push_of_the_made_up_ice_before_it():
+    before, frozen = pressed_row(0.0), pressed_row(2.0 * LEAST)
+    before["ice_fraction"].values[:] = 0.0
+    frozen["ice_fraction"].values[:] = 0.02
+    after = keep_forces(before, frozen, LEAST, 0.0)
+    assert (overlaps(after) <= 0.02 * PRESSED * (1 + 1e-9)).all()
+
+
 @pytest.mark.parametrize("factor", [0.5, 1.0, 4.0])
 def test_walls_are_pressed_no_harder_either(factor: float):
     packing = a_packing(gap=1.3).isel(element=slice(0, 6, 5), element_bound=slice(0, 3))
