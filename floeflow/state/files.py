@@ -2,8 +2,9 @@
 """Checksummed NetCDF-4 files, written whole or not at all.
 
 A file is written under a unique temporary name beside its place, synced and renamed, so that a
-reader sees the old file or the new one, never a half. The checksum covers names, types, shapes,
-bytes and attributes; the reader verifies it.
+reader sees the old file or the new one, never a half. It ends with the seal of its bytes (seal.py),
+which the reader verifies first. The attribute `checksum` names the content, whatever library wrote
+it: it covers names, types, shapes, bytes and attributes.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import xarray as xr
 
 from floeflow.errors import FloeError
 from floeflow.state.schema import ROUNDED, VARIABLES, check_state
+from floeflow.state.seal import check_seal, seal
 
 CHECKSUM = "checksum"
 
@@ -46,7 +48,7 @@ def _plain(value: object) -> object:
 
 
 def write_dataset(data: xr.Dataset, path: str | Path) -> str:
-    """Write a dataset atomically and return its checksum.
+    """Write a dataset atomically, sealed, and return its checksum.
 
     Parameters
     ----------
@@ -70,6 +72,7 @@ def write_dataset(data: xr.Dataset, path: str | Path) -> str:
         os.close(handle)
         encoding = {str(name): {"_FillValue": None} for name in data.variables}
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        seal(Path(temporary))
         # mkstemp makes files that only their owner reads.
         umask = os.umask(0)
         os.umask(umask)
@@ -86,7 +89,7 @@ def write_dataset(data: xr.Dataset, path: str | Path) -> str:
 
 
 def read_dataset(path: str | Path) -> xr.Dataset:
-    """Read a file of `write_dataset` into memory and verify its checksum.
+    """Verify the seal of a file of `write_dataset` and read it into memory.
 
     Raises
     ------
@@ -97,18 +100,15 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise FloeError(f"{path}: there is no such file")
     try:
+        check_seal(path)
         with xr.open_dataset(
             path, engine="netcdf4", decode_cf=False, mask_and_scale=False
         ) as opened:
             data = opened.load()
-    except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
-        raise FloeError(f"{path}: cannot be read as NetCDF ({type(error).__name__})") from None
+    except OSError as error:
+        raise FloeError(f"{path}: cannot be read: {error.strerror or error}") from None
     for name, value in data.attrs.items():
         data.attrs[name] = _plain(value)
-    if CHECKSUM not in data.attrs:
-        raise FloeError(f"{path}: has no checksum, so FloeFlow did not write it")
-    if checksum(data) != data.attrs[CHECKSUM]:
-        raise FloeError(f"{path}: its checksum does not match, the file is damaged")
     return data
 
 
@@ -147,7 +147,7 @@ def write_state(
 
 
 def read_state(path: str | Path) -> xr.Dataset:
-    """Read a state, verify its checksum and schema; all floating variables in double precision.
+    """Read a state, verify its seal and schema; all floating variables in double precision.
 
     Raises
     ------

@@ -15,9 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import netCDF4
-import numpy as np
 import pytest
-import xarray as xr
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
@@ -26,7 +24,7 @@ from test_state import a_state
 from floeflow.config import load_scene
 from floeflow.errors import FloeError
 from floeflow.state import SCHEMA_VERSION, read_state, write_state
-from floeflow.state.files import checksum
+from floeflow.state.seal import seal
 
 PAGE = 4096
 
@@ -59,21 +57,14 @@ def test_a_state_cut_at_every_page_is_refused(written: bytes, tmp_path: Path, re
     record(places=len(cuts), refused=len(cuts))
 
 
-@pytest.mark.slow  # HDF5 may read some damaged files for minutes
-# Flips are looked for by chance: most bits of the file are data, and some are padding.
-@given(where=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7))
-def test_a_flipped_bit_is_refused_or_changes_nothing(written: bytes, tmp_path_factory, where, bit):
+# HDF5 loops for ever on some of these, were it to open them: its tables lie in the first 8 kB.
+@given(where=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7), early=st.booleans())
+def test_a_flipped_bit_is_refused(written: bytes, tmp_path_factory, where, bit, early):
     path = tmp_path_factory.mktemp("flip") / "s.nc"
     raw = bytearray(written)
-    raw[int(where * len(raw))] ^= 1 << bit
+    raw[int(where * (8192 if early else len(raw)))] ^= 1 << bit
     path.write_bytes(raw)
-    try:
-        read = read_state(path)
-    except FloeError as error:
-        assert str(path) in str(error)
-    else:
-        expected = a_state(n=400)
-        assert all(np.array_equal(read[name].values, expected[name].values) for name in expected)
+    assert "checksum" in refusal(path)
 
 
 def run_python(
@@ -147,12 +138,8 @@ def test_a_state_of_a_newer_version_is_named(tmp_path: Path):
     write_state(a_state(), path)
     with netCDF4.Dataset(path, "a") as file:
         file.schema_version = SCHEMA_VERSION + 1
-    assert "checksum does not match" in refusal(path)
-    # With its own checksum right, as a newer program would write it.
-    with xr.open_dataset(path, decode_cf=False, mask_and_scale=False) as opened:
-        digest = checksum(opened.load())
-    with netCDF4.Dataset(path, "a") as file:
-        file.checksum = digest
+    assert "checksum" in refusal(path)
+    seal(path)  # as a newer program would write it
     said = refusal(path)
     assert f"version is {SCHEMA_VERSION + 1}" in said and f"version {SCHEMA_VERSION}" in said
 
