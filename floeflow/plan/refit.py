@@ -191,7 +191,7 @@ def _fit_steps(runs: Sequence[Run]) -> dict[str, float]:
         held = bonded(run.conditions, effects)
         rows.append([contacts, contacts * ("friction" in effects), bonds * held])
         values.append((run.conditions.element_size / critical) ** 2)
-    told = np.array(rows).any(axis=0)
+    told = [any(column) for column in zip(*rows, strict=True)]
     names = ("step_contacts", "step_friction", "step_bonds")
     # What costs no step at all is a factor that is large, not infinite.
     found = 1.0 / np.sqrt(np.maximum(_solve(rows, values), 1e-6))
