@@ -187,12 +187,13 @@ def _series(
     for norm in NORMS:
         if not all(norm in found for found in against.values()):
             continue
-        series, order, converges = with_tail(
-            [levels[name] for name in well],
-            [against[name][norm] for name in well],
-            [step[norm] for step in steps],
-        )
-        orders.append(Convergence(knob.name, norm, knob.order, order, converges))
+        series = [against[name][norm] for name in well]
+        # Ways to do a thing have no order: the most accurate one is what the others lack.
+        if not knob.ways:
+            places = [levels[name] for name in well]
+            step = [found[norm] for found in steps]
+            series, order, converges = with_tail(places, series, step)
+            orders.append(Convergence(knob.name, norm, knob.order, order, converges))
         for name, error in zip(well, series, strict=True):
             total[name][norm] = error
     points = [
