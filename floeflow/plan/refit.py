@@ -204,13 +204,33 @@ def _fit_coast(runs: Sequence[Run]) -> dict[str, float]:
     return {"coast_elements": median(ratios)} if ratios else {}
 
 
-def fit_errors(studies: Iterable[Path]) -> dict[str, dict[str, tuple[float, float]]]:
-    """Factor and order of each knob's error in each kept norm.
+@dataclass(frozen=True)
+class Study:
+    """An accuracy study: errors of its stable runs by knob, level and kept norm."""
 
-    Parameters
-    ----------
-    studies : iterable of Path
-        ``results/<scene>/accuracy``, with ``accuracy.nc``.
+    scene: Scene
+    runs: xr.Dataset
+
+    def series(self, knob: str, norm: str) -> tuple[np.ndarray, np.ndarray]:
+        """Levels and errors of a knob in a norm, without round-off."""
+        rows = (self.runs["knob"].values == knob) & (self.runs["stable"].values == 1)
+        level = self.runs["level"].values[rows]
+        error = self.runs["error"].sel(norm=norm).values[rows]
+        good = np.isfinite(error) & (error > LEAST_ERROR)
+        return level[good], error[good]
+
+
+def read_studies(folders: Iterable[Path]) -> list[Study]:
+    """Accuracy studies of ``results/<scene>/accuracy``; folders without ``accuracy.nc`` are none."""
+    return [
+        Study(load_scene(f / "scenes" / f"{BASE}.yaml"), read_dataset(f / "accuracy.nc"))
+        for f in folders
+        if (f / "accuracy.nc").is_file()
+    ]
+
+
+def fit_laws(studies: Iterable[Study]) -> dict[str, dict[str, tuple[float, float]]]:
+    """Factor and order of each knob's error in each kept norm.
 
     Notes
     -----
@@ -218,20 +238,13 @@ def fit_errors(studies: Iterable[Path]) -> dict[str, dict[str, tuple[float, floa
     factor that is the geometric mean at each scene's own setting.
     """
     series: dict[tuple[str, str], list[tuple[np.ndarray, np.ndarray, float]]] = {}
-    for folder in studies:
-        data = read_dataset(folder / "accuracy.nc")
-        scene = load_scene(folder / "scenes" / f"{BASE}.yaml")
-        own = resolutions(scene, conditions(scene))
-        norms = [str(name) for name in data["norm"].values]
-        for knob, x in own.items():
-            rows = (data["knob"].values == knob) & (data["stable"].values == 1)
-            level = data["level"].values[rows]
-            for norm in KEPT:
-                error = data["error"].values[rows, norms.index(norm)]
-                good = np.isfinite(error) & (error > LEAST_ERROR)
-                if good.sum() >= 2:
-                    pair = (np.log(level[good]), np.log(error[good]), math.log(x))
-                    series.setdefault((knob, norm), []).append(pair)
+    for study in studies:
+        own = resolutions(study.scene, conditions(study.scene))
+        for (knob, x), norm in product(own.items(), KEPT):
+            level, error = study.series(knob, norm)
+            if len(level) >= 2:
+                pair = (np.log(level), np.log(error), math.log(x))
+                series.setdefault((knob, norm), []).append(pair)
     model: dict[str, dict[str, tuple[float, float]]] = {}
     for (knob, norm), parts in series.items():
         order = median(float(np.polyfit(level, error, 1)[0]) for level, error, _ in parts)
@@ -239,6 +252,22 @@ def fit_errors(studies: Iterable[Path]) -> dict[str, dict[str, tuple[float, floa
         at_own = [float(np.mean(error - order * level)) for level, error, _ in parts]
         factor = float(np.mean([e - order * x for e, (_, _, x) in zip(at_own, parts, strict=True)]))
         model.setdefault(knob, {})[norm] = (math.exp(factor), order)
+    return model
+
+
+def fit_choices(studies: Iterable[Study]) -> dict[str, dict[str, dict[str, float]]]:
+    """Error of each value of the knobs that are choices: geometric mean over the scenes."""
+    found: dict[tuple[str, str, str], list[float]] = {}
+    for study, norm in product(studies, KEPT):
+        for knob in knobs(study.scene):
+            for level, error in zip(*study.series(knob.name, norm), strict=True):
+                value = choices(changed_scene(study.scene, knob, level)).get(knob.name)
+                if value:
+                    found.setdefault((knob.name, value, norm), []).append(error)
+    model: dict[str, dict[str, dict[str, float]]] = {}
+    for (knob, value, norm), errors in found.items():
+        mean = math.exp(float(np.mean(np.log(errors))))
+        model.setdefault(knob, {}).setdefault(value, {})[norm] = mean
     return model
 
 
