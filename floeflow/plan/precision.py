@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from floeflow.studies.knobs import knobs
 from floeflow.studies.measures import KEPT
 
 if TYPE_CHECKING:
@@ -56,8 +57,8 @@ def resolutions(scene: Scene, c: Conditions) -> dict[str, float]:
 
     step_share: of the critical step. softness: strain of the pack, pushed by the wind over its
     width. element_size: over the width of the ice. window: over the run. forcing_grid: change of
-    the wind over a cell, relative to it. column_step: over the run. category_width, layer_thickness:
-    over the range of thicknesses, over the ice.
+    the wind over a cell, relative to it. column_step: over the run. category_width: over the range
+    of thicknesses. layer_thickness: over the ice.
     """
     thickness = max(c.thickness, 1e-3)
     found = {
@@ -76,8 +77,8 @@ def resolutions(scene: Scene, c: Conditions) -> dict[str, float]:
 
 
 def choices(scene: Scene) -> dict[str, str]:
-    """Values of the knobs that are choices."""
-    return {"column_scheme": scene.column.scheme} if "thermodynamics" in scene.effects else {}
+    """Values of the knobs that are choices between ways."""
+    return {knob.name: knob.told(1.0) for knob in knobs(scene) if knob.ways}
 
 
 def knob_errors(scene: Scene, c: Conditions, model: ErrorModel) -> dict[str, dict[str, float]]:
