@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from floeflow.config import Scene, load_scene
 from floeflow.config.load import build_scene, read_keys
@@ -13,19 +15,24 @@ from floeflow.errors import FloeError
 from floeflow.estimate.conditions import Conditions, conditions
 from floeflow.estimate.cost import WORK, coefficients, run_seconds, sizes, stage_seconds
 from floeflow.plan.__main__ import as_time, main
-from floeflow.plan.precision import error_model, knob_errors, resolutions, total_error
+from floeflow.plan.fit_costs import Run, fit_costs, read_runs
+from floeflow.plan.fit_errors import Study, fit_choices, fit_laws
+from floeflow.plan.precision import ErrorModel, error_model, knob_errors, resolutions, total_error
 from floeflow.plan.propose import adjusted, for_budget, for_error, parse_budget, proposals
-from floeflow.plan.refit import Run, fit_costs, read_runs
+from floeflow.studies.knobs import knobs
 from floeflow.studies.variants import changed
 
 ROOT = Path(__file__).parents[2]
 SMOKE = ROOT / "config/scenes/smoke.yaml"
-MODEL = {
-    "step_share": {"drift": (0.05, 1.0)},
-    "softness": {"drift": (1.0, 0.5)},
-    "element_size": {"drift": (0.3, 1.0), "volume": (0.01, 1.0)},
-    "column_step": {"volume": (0.2, 1.0)},
-}
+MODEL = ErrorModel(
+    {
+        "step_share": {"drift": (0.05, 1.0)},
+        "softness": {"drift": (1.0, 0.5)},
+        "element_size": {"drift": (0.3, 1.0), "volume": (0.01, 1.0)},
+        "column_step": {"volume": (0.2, 1.0)},
+    },
+    {"column_scheme": {"zero_layer": {"volume": 0.2}, "bl99": {"volume": 0.1}}},
+)
 
 
 @pytest.fixture(autouse=True)
@@ -59,83 +66,28 @@ def test_finer_settings_have_smaller_errors(scene: Scene, c: Conditions):
     fine = scene.model_copy(
         update={"dynamics": scene.dynamics.model_copy(update={"step_share": share})}
     )
-    one, two = (knob_errors(s, c, MODEL)["step_share"]["drift"] for s in (scene, fine))
-    assert two == pytest.approx(one / 4)
-    assert total_error({"a": {"drift": 0.3}, "b": {"drift": 0.4}}) == pytest.approx(0.5)
-    assert total_error({"a": {"drift": 0.3}, "b": {"drift": 0.4}}, but=("b",)) == 0.3
-
-
-def test_a_proposal_is_a_valid_scene_that_keeps_its_promise(scene: Scene, c: Conditions):
-    fit = coefficients()
-    found = proposals(scene, c, 1, fit, MODEL)
-    assert not found[0].changes
-    errors = sorted(p.error for p in found)
-    target = errors[len(errors) // 3]
-    best = for_error(found, target)
-    assert best is not None and best.error <= target
-    assert not [p for p in found if p.error <= target and p.seconds < best.seconds]
-    keys = changed(read_keys(SMOKE), {"name": "planned", **best.changes})
-    planned = build_scene(keys)
-    assert run_seconds(conditions(planned), planned, planned.effects, 1, fit) == pytest.approx(
-        best.seconds, rel=0.01
-    )
-    budget = found[0].seconds
-    rich = for_budget(found, budget)
-    assert rich is not None and rich.seconds <= budget and rich.error <= found[0].error
-    assert for_error(found, 0.0) is None and for_budget(found, 0.0) is None
-
-
-def test_ranks_share_the_work_and_pay_for_messages(scene: Scene, c: Conditions):
-    fit = {**coefficients(), "message": 1e-6}
-    one, many = (run_seconds(c, scene, scene.effects, n, fit) for n in (1, 4))
-    seconds = stage_seconds(sizes(c, scene, scene.effects, fit), scene.effects, fit)
-    assert one == pytest.approx(sum(seconds.values()))
-    assert one - sum(seconds[part] for part in WORK) < many < one
-
-
-def made_record(scene: Scene, c: Conditions, fit: dict[str, float]) -> dict:
-    """What a run would have left if the cost model were the truth."""
-    s = sizes(c, scene, scene.effects, fit)
-    seconds = stage_seconds(s, scene.effects, fit)
-    step = scene.time.windows * scene.time.window / s.steps
-    cpu = {name: seconds[name] for name in ("dynamics", "column", "window") if name in seconds}
-    cpu |= {"initial": fit["job"], "land": fit["land"]}
-    return {
-        "cpu": cpu,
-        "steps": s.steps,
-        "element_steps": s.steps * s.elements,
-        "elements": s.elements,
-        "time_step": step,
-        "fault": "",
+    studies = [
+        made_study(scene, {"window": f}, {name: f * error for name, error in ways.items()})
+        for f in (1, 4)
+    ]
+    x = resolutions(scene, c)["window"]
+    factor, order = fit_laws(studies)["window"]["volume"]
+    assert order == pytest.approx(1.0) and factor * x == pytest.approx(2.0)  # the geometric mean
+    assert fit_choices(studies) == {
+        "column_scheme": {
+            "bl99": {"volume": pytest.approx(0.2)},
+            "zero_layer": {"volume": pytest.approx(0.8)},
+        }
     }
 
 
-def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions):
-    truth = {**coefficients(), "job": 0.7, "step": 2e-5, "dynamics": 4e-8, "dynamics_bonds": 5e-8}
-    truth |= {"dynamics_wind": 1e-8, "dynamics_friction": 2e-8, "column": 3e-6, "land": 2.0}
-    truth |= {"launch": 1.0, "window": 0.2, "window_per_element": 3e-5, "column_start": 0.01}
-    runs = []
-    for elements in (100, 400, 1600):
-        for effects in (
-            ("wind", "ocean_drag", "thermodynamics"),
-            ("ocean_drag", "thermodynamics"),
-            ("wind", "friction", "thermodynamics"),
-            ("wind", "ocean_drag", "friction", "bonds", "thermodynamics"),
-            ("wind", "friction", "bonds"),
-            ("wind",),
-        ):
-            for windows in (1, 4):
-                keys = {"packing.elements": elements, "effects": list(effects)}
-                keys |= {"time.windows": windows, "workflow.windows_per_job": windows}
-                other = build_scene(changed(scene.model_dump(mode="json"), keys))
-                own = adjusted(c, other)
-                runs.append(Run(other, own, made_record(other, own, truth)))
-    found = fit_costs(runs, coefficients())
-    for name in ("job", "step", "dynamics", "dynamics_bonds", "dynamics_friction", "column"):
-        assert found[name] == pytest.approx(truth[name], rel=0.02), name
-    assert found["launch"] == pytest.approx(1.0, rel=0.05)
-    # Samples cut the step a little.
-    assert found["step_bonds"] == pytest.approx(truth["step_bonds"], rel=0.05)
+def test_a_choice_has_its_own_error_and_the_best_has_none(scene: Scene, c: Conditions):
+    def error(scheme: str) -> float:
+        column = scene.column.model_copy(update={"scheme": scheme})
+        other = scene.model_copy(update={"column": column})
+        return knob_errors(other, c, MODEL)["column_scheme"].get("volume", 0.0)
+
+    assert [error(name) for name in ("mushy", "bl99", "zero_layer")] == [0.0, 0.1, 0.2]
 
 
 def test_a_folder_without_a_study_is_refused(tmp_path: Path):
