@@ -66,6 +66,110 @@ def test_finer_settings_have_smaller_errors(scene: Scene, c: Conditions):
     fine = scene.model_copy(
         update={"dynamics": scene.dynamics.model_copy(update={"step_share": share})}
     )
+    one, two = (knob_errors(s, c, MODEL)["step_share"]["drift"] for s in (scene, fine))
+    assert two == pytest.approx(one / 4)
+    assert total_error({"a": {"drift": 0.3}, "b": {"drift": 0.4}}) == pytest.approx(0.5)
+    assert total_error({"a": {"drift": 0.3}, "b": {"drift": 0.4}}, but=("b",)) == 0.3
+
+
+def test_a_proposal_is_a_valid_scene_that_keeps_its_promise(scene: Scene, c: Conditions):
+    fit = coefficients()
+    found = proposals(scene, c, 1, fit, MODEL)
+    assert not found[0].changes
+    errors = sorted(p.error for p in found)
+    target = errors[len(errors) // 3]
+    best = for_error(found, target)
+    assert best is not None and best.error <= target
+    assert not [p for p in found if p.error <= target and p.seconds < best.seconds]
+    keys = changed(read_keys(SMOKE), {"name": "planned", **best.changes})
+    planned = build_scene(keys)
+    assert run_seconds(conditions(planned), planned, planned.effects, 1, fit) == pytest.approx(
+        best.seconds, rel=0.01
+    )
+    budget = found[0].seconds
+    rich = for_budget(found, budget)
+    assert rich is not None and rich.seconds <= budget and rich.error <= found[0].error
+    assert for_error(found, 0.0) is None and for_budget(found, 0.0) is None
+
+
+def test_ranks_share_the_work_and_pay_for_messages(scene: Scene, c: Conditions):
+    fit = {**coefficients(), "message": 1e-6}
+    one, many = (run_seconds(c, scene, scene.effects, n, fit) for n in (1, 4))
+    seconds = stage_seconds(sizes(c, scene, scene.effects, fit), scene.effects, fit)
+    assert one == pytest.approx(sum(seconds.values()))
+    assert one - sum(seconds[part] for part in WORK) < many < one
+
+
+def made_record(scene: Scene, c: Conditions, fit: dict[str, float]) -> dict:
+    """What a run would have left if the cost model were the truth."""
+    s = sizes(c, scene, scene.effects, fit)
+    seconds = stage_seconds(s, scene.effects, fit)
+    step = scene.time.windows * scene.time.window / s.steps
+    cpu = {name: seconds[name] for name in ("dynamics", "column", "window") if name in seconds}
+    cpu |= {"initial": fit["job"], "land": fit["land"]}
+    return {
+        "cpu": cpu,
+        "steps": s.steps,
+        "element_steps": s.steps * s.elements,
+        "elements": s.elements,
+        "time_step": step,
+        "fault": "",
+    }
+
+
+def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions):
+    truth = {**coefficients(), "job": 0.7, "step": 2e-5, "dynamics": 4e-8, "dynamics_bonds": 5e-8}
+    truth |= {"dynamics_wind": 1e-8, "dynamics_friction": 2e-8, "column": 3e-6, "land": 2.0}
+    truth |= {"launch": 1.0, "window": 0.2, "window_per_element": 3e-5, "column_start": 0.01}
+    runs = []
+    for elements in (100, 400, 1600):
+        for effects in (
+            ("wind", "ocean_drag", "thermodynamics"),
+            ("ocean_drag", "thermodynamics"),
+            ("wind", "friction", "thermodynamics"),
+            ("wind", "ocean_drag", "friction", "bonds", "thermodynamics"),
+            ("wind", "friction", "bonds"),
+            ("wind",),
+        ):
+            for windows in (1, 4):
+                keys = {"packing.elements": elements, "effects": list(effects)}
+                keys |= {"time.windows": windows, "workflow.windows_per_job": windows}
+                other = build_scene(changed(scene.model_dump(mode="json"), keys))
+                own = adjusted(c, other)
+                runs.append(Run(other, own, made_record(other, own, truth)))
+    found = fit_costs(runs, coefficients())
+    for name in ("job", "step", "dynamics", "dynamics_bonds", "dynamics_friction", "column"):
+        assert found[name] == pytest.approx(truth[name], rel=0.02), name
+    assert found["launch"] == pytest.approx(1.0, rel=0.05)
+    # Samples cut the step a little.
+    assert found["step_bonds"] == pytest.approx(truth["step_bonds"], rel=0.05)
+
+
+def made_study(scene: Scene, laws: dict[str, float], ways: dict[str, float]) -> Study:
+    """A study whose knobs' errors in volume are factor x level or, for ways, as given."""
+    rows = []
+    for knob in knobs(scene):
+        for level in knob.levels:
+            if knob.ways:
+                error = ways.get(knob.told(level), 0.0)
+            else:
+                error = laws.get(knob.name, 0.0) * level
+            rows.append((knob.name, level, error))
+    names, levels, errors = zip(*rows, strict=True)
+    runs = xr.Dataset(
+        {
+            "knob": ("point", np.array(names)),
+            "level": ("point", np.array(levels)),
+            "stable": ("point", np.ones(len(rows), np.int8)),
+            "error": (("point", "norm"), np.array(errors)[:, None] * [0.0, 1.0, 0.0]),
+            "norm": ("norm", ["drift", "volume", "area"]),
+        }
+    )
+    return Study(scene, runs)
+
+
+def test_the_fit_finds_the_errors_of_made_studies(scene: Scene, c: Conditions):
+    ways = {"zero_layer": 0.4, "bl99": 0.1}
     studies = [
         made_study(scene, {"window": f}, {name: f * error for name, error in ways.items()})
         for f in (1, 4)
