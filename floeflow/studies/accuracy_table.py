@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -188,12 +189,12 @@ def _series(
         if not all(norm in found for found in against.values()):
             continue
         series = [against[name][norm] for name in well]
-        # Ways to do a thing have no order: the most accurate one is what the others lack.
-        if not knob.ways:
-            places = [levels[name] for name in well]
-            step = [found[norm] for found in steps]
-            series, order, converges = with_tail(places, series, step)
-            orders.append(Convergence(knob.name, norm, knob.order, order, converges))
+        order, converges = math.nan, False
+        if not knob.ways:  # nothing lies beyond the best way
+            series, order, converges = with_tail(
+                [levels[name] for name in well], series, [step[norm] for step in steps]
+            )
+        orders.append(Convergence(knob.name, norm, knob.order, order, converges))
         for name, error in zip(well, series, strict=True):
             total[name][norm] = error
     points = [
