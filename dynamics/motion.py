@@ -183,7 +183,9 @@ def _sample(
 ) -> None:
     mobile = elements["type"] == MOBILE
     speed = np.hypot(elements["u"], elements["v"])[mobile]
-    weight = elements["ice_area"][mobile]
+    # Of ice that there is: where none is left, elements have a drag all the same.
+    state = motion.state
+    weight = (state["area"].values * state["ice_fraction"].values.sum(axis=1))[mobile]
     drift = float(weight @ speed / weight.sum()) if weight.sum() > 0 else float(speed.mean())
     values = {
         "time": at,
