@@ -23,6 +23,11 @@ Columns = dict[str, Array]
 _VOLUMES = ("ice_volume", "snow_volume")
 
 
+def before_closing(columns: Columns, closed: Array) -> Columns:
+    """Columns that ridging left, as they were before the closing but per area that is left."""
+    return columns | {"ice_fraction": columns["ice_fraction"] / (1.0 - closed)[:, None]}
+
+
 def close_columns(
     columns: Columns, closed: Array, settings: Settings
 ) -> tuple[Columns, dict[str, Array]]:
@@ -53,7 +58,8 @@ def close_columns(
     after = ridged.columns
     terms: dict[str, Array] = {}
     if settings.has("ponds"):
-        first, last = (pond_water(layered_state(each, settings)) for each in (columns, after))
+        ponds = (before_closing(columns, closed), after)
+        first, last = (pond_water(layered_state(each, settings)) for each in ponds)
         terms["pond_ridging"] = last - first
     if not settings.has("snow"):
         return after, terms

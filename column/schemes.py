@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from floeflow.column import layered_run, zero_layer_run
-from floeflow.column.closing import close_columns
+from floeflow.column.closing import before_closing, close_columns
 from floeflow.column.params import Settings
 from floeflow.column.state import Array
 from floeflow.errors import FloeError
@@ -92,12 +92,13 @@ def advance_columns(
         not finite.
     """
     scheme = scheme_of(settings)
-    ridged: Columns = columns
+    first = ridged = columns
     closing: dict[str, Array] = {}
     if closed is not None:
+        first = before_closing(columns, closed)
         ridged, closing = close_columns(columns, closed, settings)
     after, terms = scheme.advance(ridged, sample, window, settings)
-    start, end = (scheme.stored(each, settings) for each in (columns, after))
+    start, end = (scheme.stored(each, settings) for each in (first, after))
     stored = {f"{name}_stored": end[name] - start[name] for name in end}
     return after, named_terms({**terms, **closing, **stored}, settings)
 

@@ -9,19 +9,13 @@ tables go in and come out whole on every rank.
 from __future__ import annotations
 
 import ctypes
-import types
 from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
 
 from floeflow.dynamics.bondtable import BOND_COLUMNS, Arrays, empty_pairs, without
-from floeflow.dynamics.enginechecks import (
-    check_bonds,
-    check_contacts,
-    check_elements,
-    check_time,
-)
+from floeflow.dynamics.enginechecks import check_bonds, check_contacts, check_elements, check_time
 from floeflow.dynamics.enginelog import log_tail, open_fault
 from floeflow.dynamics.engineparams import EngineParams, Forcing
 from floeflow.dynamics.enginesetup import bond_reach, contact_reach, setup_commands
@@ -77,7 +71,7 @@ class Engine:
     ) -> None:
         self.comm, self.params, self.log, self.walls = comm, params, Path(log), walls
         self._library = load_plugin()
-        self._instance = ctypes.c_void_p()
+        self._handle = ctypes.c_void_p()
         self._steps = 0
         self._start = 0.0
         self._forcing: Forcing | None = None
@@ -87,19 +81,24 @@ class Engine:
     def __enter__(self) -> Engine:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: types.TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
         """Close LIGGGHTS; the engine can `load` again."""
-        if self._instance:
-            self._library.floe_close(self._instance)
-            self._instance = ctypes.c_void_p()
+        if self._handle:
+            self._library.floe_close(self._handle)
+            self._handle = ctypes.c_void_p()
+
+    @property
+    def _instance(self) -> ctypes.c_void_p:
+        if not self._handle:
+            raise EngineError("The engine holds no elements: none were loaded, or it is closed.")
+        return self._handle
+
+    @property
+    def _now(self) -> float:
+        return self._start + self._steps * self.params.time_step
 
     def load(
         self,
@@ -141,8 +140,7 @@ class Engine:
         check_bonds(elements, bonds)
         check_contacts(elements, bonds, contacts, self.params.contact_columns)
         if self.walls is not None and wall_contacts is not None:
-            columns = self.params.contact_columns
-            check_wall_contacts(self.walls, elements, wall_contacts, columns)
+            check_wall_contacts(self.walls, elements, wall_contacts, self.params.contact_columns)
         reach = max(
             bond_reach(elements, bonds, self.params), contact_reach(elements, contacts, self.params)
         )
@@ -173,10 +171,9 @@ class Engine:
         FloeError
             If no element would be left.
         """
-        held = None if self.walls is None else without(self.wall_contacts(), ids)
-        elements, bonds, contacts = (without(t, ids) for t in (self.elements(), *self._pairs()))
-        now = self._start + self._steps * self.params.time_step
-        self.load(elements, bonds, contacts, now, held)
+        tables = (self.elements(), *self._pairs(), self.wall_contacts())
+        elements, bonds, contacts, held = (without(table, ids) for table in tables)
+        self.load(elements, bonds, contacts, self._now, held)
 
     def set_forcing(self, forcing: Forcing) -> None:
         """Hand over the forcing of the coming steps; needs a loaded state.
@@ -207,8 +204,7 @@ class Engine:
             If LIGGGHTS fails, an element becomes non-finite, runs away or is lost, or a bond
             leaves the neighbours' reach.
         """
-        begin = self._start + self._steps * self.params.time_step
-        check_time(self.params, self._forcing, begin, steps)
+        check_time(self.params, self._forcing, self._now, steps)
         while steps > 0:
             # Cut at multiples of the chunk, whatever the caller asks for.
             now = min(steps, CHUNK - self._steps % CHUNK)
@@ -231,8 +227,8 @@ class Engine:
 
     def wall_contacts(self) -> Arrays:
         """History of contacts with walls, sorted by (id, face), on every rank."""
-        columns = self.params.contact_columns
-        return get_wall_contacts(self._library, self._instance, self.comm, columns)
+        library, columns = self._library, self.params.contact_columns
+        return get_wall_contacts(library, self._instance, self.comm, columns)
 
     def wall_forces(self) -> tuple[np.ndarray, np.ndarray]:
         """Impulse (N s) on the ice since `load`, force on it now (N); each of shape (walls, 2)."""
@@ -251,7 +247,7 @@ class Engine:
         """
         failed, out = get_sums(self._library, self._instance, self.comm)
         self._check(failed)
-        out["time"] = self._start + self._steps * self.params.time_step
+        out["time"] = self._now
         return out
 
     def _open(self) -> None:
@@ -259,7 +255,7 @@ class Engine:
         fault = self.comm.bcast(open_fault(self.log) if self.comm.rank == 0 else None)
         if fault:
             raise EngineError(f"{self.log}: LIGGGHTS' log cannot be written: {fault}.")
-        self._check(open_liggghts(self._library, self._instance, self.comm, self.log))
+        self._check(open_liggghts(self._library, self._handle, self.comm, self.log))
 
     def _put_pairs(self, bonds: Arrays, contacts: Arrays) -> None:
         self._check(put_pairs(self._library, self._instance, bonds, contacts))
@@ -277,7 +273,7 @@ class Engine:
 
     def _check(self, failed: int) -> None:
         if failed:
-            self._instance = ctypes.c_void_p()  # what it holds now is not to be trusted or freed
+            self._handle = ctypes.c_void_p()  # what it holds now is not to be trusted or freed
             raise EngineError(
                 f"LIGGGHTS: {self._library.floe_error().decode()}{log_tail(self.log)}"
             )

@@ -94,8 +94,7 @@ def wall_forces(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Impulse (N s) on the ice since `load` and force (N) now of each wall, shapes (walls, 2)."""
     mine = np.zeros((2, walls, 2))
-    if walls:
-        library.floe_wall_forces(instance, mine[0], mine[1])
+    library.floe_wall_forces(instance, mine[0], mine[1])
     total = np.empty_like(mine)
     comm.Allreduce(mine, total, op=MPI.SUM)
     return total[0], total[1]

@@ -87,17 +87,22 @@ def load_plugin() -> ctypes.CDLL:
     Raises
     ------
     FloeError
-        If it is not there or cannot be loaded.
+        If it is not there, cannot be loaded or lacks a function, as an older one does.
     """
     path = plugin_path()
     if not path.is_file():
-        raise FloeError(f"The LIGGGHTS plugin {path} does not exist: `make build` makes it.")
+        raise FloeError(f"The LIGGGHTS plugin {path} does not exist: `make setup` makes it.")
     try:
         library = ctypes.CDLL(str(path), mode=ctypes.RTLD_GLOBAL)
     except OSError as error:
         raise FloeError(f"The LIGGGHTS plugin {path} cannot be loaded: {error}") from error
     for name, (result, arguments) in _FUNCTIONS.items():
-        function = getattr(library, name)
+        function = getattr(library, name, None)
+        if function is None:
+            raise FloeError(
+                f"The LIGGGHTS plugin {path} does not fit this FloeFlow, it has no {name}: "
+                "`make setup` builds it anew."
+            )
         function.restype = result
         function.argtypes = arguments
     return library

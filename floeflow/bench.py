@@ -11,11 +11,12 @@ import json
 import os
 import platform
 import subprocess
-import tempfile
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from statistics import median
 from typing import Any
+
+from floeflow.whole import write_text
 
 
 @dataclass(frozen=True)
@@ -69,15 +70,9 @@ class Record:
         }
 
 
-def write_records(records: list[Record], path: str | Path) -> None:
+def write_records(records: list[Record], path: Path) -> None:
     """Write records as a JSON list, atomically."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    with os.fdopen(handle, "w") as file:
-        json.dump([record.as_dict() for record in records], file, indent=1)
-    os.chmod(temporary, 0o644)
-    os.replace(temporary, path)
+    write_text(json.dumps([record.as_dict() for record in records], indent=1), path)
 
 
 def machine() -> str:

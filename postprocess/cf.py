@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import os
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +11,9 @@ import xarray as xr
 from floeflow import __version__
 from floeflow.config import Scene
 from floeflow.effects import output_variables
-from floeflow.errors import FloeError
 from floeflow.postprocess.remap.stencil import Array
 from floeflow.preprocess.grids import scene_crs, scene_grid, to_lonlat
+from floeflow.whole import write_whole
 
 MISSING = 1.0e20
 
@@ -204,12 +202,5 @@ def write_grid(data: xr.Dataset, path: Path) -> None:
     FloeError
         Where the file cannot be written.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    with write_whole(path) as temporary:
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
-        os.replace(temporary, path)
-    except (OSError, RuntimeError) as error:
-        with suppress(OSError):
-            temporary.unlink()
-        raise FloeError(f"{path}: cannot be written: {error}") from None

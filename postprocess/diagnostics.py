@@ -7,8 +7,6 @@ there: without bonds no bond series, without thermodynamics no growth and no col
 """
 
 import json
-import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -35,6 +33,7 @@ from floeflow.postprocess.collect import (
     summarise_states,
 )
 from floeflow.state import write_dataset
+from floeflow.whole import write_text
 
 UNITS = {
     "boundary_time": ("s", "time since the scene's start"),
@@ -203,13 +202,7 @@ def assemble(
 
 def write_json(data: Mapping[str, Any], path: Path) -> None:
     """Write JSON atomically; numbers that are not finite become null."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    with os.fdopen(handle, "w") as file:
-        json.dump(_finite(data), file, indent=1, allow_nan=False)
-        file.write("\n")
-    os.chmod(temporary, 0o644)
-    os.replace(temporary, path)
+    write_text(json.dumps(_finite(data), indent=1, allow_nan=False) + "\n", path)
 
 
 def _finite(value: Any) -> Any:

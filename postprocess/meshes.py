@@ -8,9 +8,8 @@ functions here. Polygons go in blocks of one number of corners, the form in whic
 from __future__ import annotations
 
 import io
-import os
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import redirect_stderr, redirect_stdout, suppress
+from collections.abc import Mapping, Sequence
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floeflow.errors import FloeError
+from floeflow.whole import write_whole
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -58,7 +58,8 @@ def write_polygons(
         blocks,
         cell_data={name: [values[row] for row in rows] for name, values in cell_data.items()},
     )
-    _write_whole(path, lambda temporary: mesh.write(temporary, file_format="vtu"))
+    with write_whole(path) as temporary:
+        mesh.write(temporary, file_format="vtu")
 
 
 def read_faces(path: Path) -> tuple[Array, Array, Index]:
@@ -156,17 +157,5 @@ def write_series(path: Path, files: Sequence[str], times: Sequence[float]) -> No
     for file, time in zip(files, times, strict=True):
         ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=file)
     ElementTree.indent(root)
-    tree = ElementTree.ElementTree(root)
-    _write_whole(path, lambda temporary: tree.write(temporary, xml_declaration=True))
-
-
-def _write_whole(path: Path, write: Callable[[Path], None]) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write(temporary)
-        os.replace(temporary, path)
-    except OSError as error:
-        with suppress(OSError):
-            temporary.unlink()
-        raise FloeError(f"{path}: cannot be written: {error.strerror}") from None
+    with write_whole(path) as temporary:
+        ElementTree.ElementTree(root).write(temporary, xml_declaration=True)

@@ -6,8 +6,6 @@ which escapes every text. The page needs no JavaScript and no network.
 """
 
 import json
-import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +21,7 @@ from floeflow.postprocess import expense, gallery, wording
 from floeflow.postprocess.collect import read_grid
 from floeflow.postprocess.figures.frame import Frame
 from floeflow.state import read_dataset, read_state
+from floeflow.whole import write_text
 
 TEMPLATE = Path(__file__).with_name("templates") / "report.html.j2"
 
@@ -149,16 +148,6 @@ def read_numbers(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict) or not {"headline", "budgets", "states"} <= set(data):
         raise FloeError(f"{path}: holds no headline numbers, budgets and states")
     return data
-
-
-def write_text(text: str, path: Path) -> None:
-    """Write a text file atomically."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    with os.fdopen(handle, "w", encoding="utf-8") as file:
-        file.write(text)
-    os.chmod(temporary, 0o644)
-    os.replace(temporary, path)
 
 
 def main(snakemake: stage.Snakemake) -> None:

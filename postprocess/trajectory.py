@@ -7,9 +7,7 @@ program makes of its units and precision stands in docs/export.md.
 """
 
 import logging
-import os
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +27,7 @@ from floeflow.postprocess.drift import (
 )
 from floeflow.state import read_state, write_dataset
 from floeflow.state.schema import MOBILE
+from floeflow.whole import write_whole
 
 if TYPE_CHECKING:
     import MDAnalysis
@@ -190,18 +189,10 @@ def write_dump(frames: xr.Dataset, domain: Domain, path: Path) -> None:
     seconds = np.rint(frames["time"].values).astype(np.int64)
     if np.any(np.diff(seconds) < 1):
         raise FloeError(f"{path}: windows below one second cannot be numbered by their seconds")
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with temporary.open("w", encoding="ascii") as file:
-            for index, second in enumerate(seconds.tolist()):
-                file.write(_head(second, frames.sizes["element"], domain))
-                file.writelines(_rows(frames.isel(time=index)))
-        os.replace(temporary, path)
-    except OSError as error:
-        with suppress(OSError):
-            temporary.unlink()
-        raise FloeError(f"{path}: cannot be written: {error.strerror}") from None
+    with write_whole(path) as temporary, temporary.open("w", encoding="ascii") as file:
+        for index, second in enumerate(seconds.tolist()):
+            file.write(_head(second, frames.sizes["element"], domain))
+            file.writelines(_rows(frames.isel(time=index)))
 
 
 def _head(second: int, elements: int, domain: Domain) -> str:

@@ -5,8 +5,6 @@ A travelling cyclone, a steady gyre and uniform weather, with east and north com
 forcing stage reads this file as it reads any other, so nothing of it is a special case.
 """
 
-import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +15,10 @@ from numpy.typing import NDArray
 from floeflow import stage
 from floeflow.config.blocks import Cyclone, Gyre, Scene, Weather
 from floeflow.effects import forcing_variables
-from floeflow.errors import FloeError
 from floeflow.preprocess import names, vectors
 from floeflow.preprocess.grids import EARTH_RADIUS, from_lonlat, scene_crs, scene_grid, to_lonlat
 from floeflow.preprocess.times import window_span
+from floeflow.whole import write_whole
 
 Array = NDArray[np.float64]
 
@@ -188,7 +186,7 @@ def _weather(weather: Weather) -> dict[str, float]:
     return values | {"specific_humidity": humidity(weather)}
 
 
-def write_cf(data: xr.Dataset, path: str | Path) -> None:
+def write_cf(data: xr.Dataset, path: Path) -> None:
     """Write a CF file whole or not at all, small because uniform fields pack well.
 
     Raises
@@ -196,33 +194,19 @@ def write_cf(data: xr.Dataset, path: str | Path) -> None:
     FloeError
         Where it cannot be written.
     """
-    path = Path(path)
     encoding: dict[str, dict[str, object]] = {
         str(name): {"_FillValue": None} for name in data.variables
     }
     for name in data.data_vars:
         encoding[str(name)] |= {"zlib": True, "complevel": 1}
-    temporary = None
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        os.close(handle)
+    with write_whole(path) as temporary:
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
-        os.replace(temporary, path)
-    except (OSError, RuntimeError) as error:
-        if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
-        reason = getattr(error, "strerror", None) or error
-        raise FloeError(f"{path}: cannot be written: {reason}") from None
 
 
 def main(snakemake: stage.Snakemake) -> None:
     """Rule ``analytic``."""
     scene = stage.scene(snakemake)
-    write_cf(make_analytic(scene, int(snakemake.wildcards.window)), snakemake.output.forcing)
+    write_cf(make_analytic(scene, int(snakemake.wildcards.window)), Path(snakemake.output.forcing))
 
 
 if "snakemake" in globals():

@@ -8,10 +8,10 @@ from floeflow import stage
 from floeflow.config import Scene
 from floeflow.estimate.choose import OUTPUT, scene_estimates
 from floeflow.postprocess.diagnostics import write_json
-from floeflow.postprocess.report import write_text
 from floeflow.studies.ablation_figure import ablation_figure
 from floeflow.studies.ablation_table import Ablation, ablation_table
 from floeflow.studies.page import Table, draw, render_study
+from floeflow.whole import write_text
 
 LEAD = (
     "Each effect of the scene was left out once, and the results compared with the run that has "

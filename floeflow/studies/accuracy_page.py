@@ -10,7 +10,6 @@ from pathlib import Path
 from floeflow import stage
 from floeflow.config import Scene
 from floeflow.postprocess.diagnostics import write_json
-from floeflow.postprocess.report import write_text
 from floeflow.state import write_dataset
 from floeflow.studies.accuracy_figure import accuracy_figure
 from floeflow.studies.accuracy_plan import TOGETHER
@@ -19,6 +18,7 @@ from floeflow.studies.knobs import knobs
 from floeflow.studies.measures import KEPT, NORMS
 from floeflow.studies.page import Table, draw, render_study
 from floeflow.studies.recommend import Setting, most_accurate, recommend
+from floeflow.whole import write_text
 
 LEAD = (
     "Each knob was varied alone, and all together; the error of a knob's runs is against the limit "

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from floeflow import stage
-from floeflow.postprocess.report import write_text
 from floeflow.studies.page import Table, as_markdown, cell, draw, render_study
 from floeflow.studies.stability_figure import residual_figure, stability_map
+from floeflow.whole import write_text
 
 LEAD = (
     "Each hard case must stay finite, lose nothing, make no energy and keep its bounds. Why each "

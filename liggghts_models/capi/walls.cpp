@@ -19,8 +19,13 @@ namespace {
 
 constexpr int face_columns = 6, face_numbers = 4, contact_columns = 5;
 
+// Null where there are none.
+FixFloeWalls *find_walls(void *instance) {
+  return floe::find_parts(static_cast<LAMMPS *>(instance)).walls;
+}
+
 FixFloeWalls *walls_of(void *instance) {
-  FixFloeWalls *walls = floe::find_parts(static_cast<LAMMPS *>(instance)).walls;
+  FixFloeWalls *walls = find_walls(instance);
   if (!walls) throw floe::LiggghtsError("there is no fix floe/walls");
   return walls;
 }
@@ -69,13 +74,17 @@ int floe_put_wall_contacts(void *instance, long long n, const long long *ids,
 
 long long floe_count_wall_contacts(void *instance) {
   long long n = 0;
-  walls_of(instance)->each([&n](int, const FixFloeWalls::Contact &) { ++n; });
+  if (FixFloeWalls *walls = find_walls(instance)) {
+    walls->each([&n](int, const FixFloeWalls::Contact &) { ++n; });
+  }
   return n;
 }
 
 void floe_get_wall_contacts(void *instance, long long *ids, double *columns) {
+  FixFloeWalls *walls = find_walls(instance);
+  if (!walls) return;
   const Atom *atom = static_cast<LAMMPS *>(instance)->atom;
-  walls_of(instance)->each([&](int i, const FixFloeWalls::Contact &c) {
+  walls->each([&](int i, const FixFloeWalls::Contact &c) {
     *ids++ = atom->tag[i];
     *ids++ = c.face;
     for (double value : {c.history.slip, c.history.rest_overlap, c.history.ridge.closing,
@@ -86,7 +95,8 @@ void floe_get_wall_contacts(void *instance, long long *ids, double *columns) {
 }
 
 void floe_wall_forces(void *instance, double *impulses, double *forces) {
-  const FixFloeWalls *walls = walls_of(instance);
+  const FixFloeWalls *walls = find_walls(instance);
+  if (!walls) return;
   std::copy(walls->impulses().begin(), walls->impulses().end(), impulses);
   std::copy(walls->forces().begin(), walls->forces().end(), forces);
 }

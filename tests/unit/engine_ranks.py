@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 from rafts import bonded, lattice, uniform
+from ranks import read_tables, write_part
 
 from floeflow.dynamics import walls
+from floeflow.dynamics.bondtable import Arrays
 from floeflow.dynamics.engine import Engine, EngineParams
-
-KINDS = ("element", "bond", "contact", "wall")
 
 
 def main(out: Path, steps: int, walled: bool, start: Path | None) -> None:
@@ -26,12 +26,9 @@ def main(out: Path, steps: int, walled: bool, start: Path | None) -> None:
     raft["u"] = np.where(raft["type"] == 2, 0.0, -3e-5 * raft["x"] + 0.4)
     table = bonded(raft)
     coast = (raft["type"][table["id_lo"] - 1] == 2) & (raft["type"][table["id_hi"] - 1] == 2)
-    state = [raft, {name: values[~coast] for name, values in table.items()}, None, None]
+    state: list[Arrays | None] = [raft, {n: v[~coast] for n, v in table.items()}, None, None]
     if start is not None:
-        with np.load(start) as data:
-            for k, kind in enumerate(KINDS):
-                names = [name for name in data.files if name.startswith(f"{kind}.")]
-                state[k] = {name.removeprefix(f"{kind}."): data[name] for name in names}
+        state = read_tables(start)
     switches = dict.fromkeys(("bonds", "wind", "ocean_drag", "coriolis", "tilt"), True)
     params = EngineParams(time_step=0.2, ridging=walled, **switches)
     # One wall stands, one comes from the right, and a bent one dents the upper side.
@@ -49,16 +46,7 @@ def main(out: Path, steps: int, walled: bool, start: Path | None) -> None:
             engine.load(*state[:3], 0.2 * steps * k, state[3])
             engine.set_forcing(uniform((10.0, 5.0), (0.1, 0.1), 1.4e-4))
             engine.run(steps)
-            state = [engine.elements(), engine.bonds(), engine.contacts()]
-            state.append(engine.wall_contacts() if walled else {})
-            sums = engine.diagnostics()
-            if comm.rank == 0:
-                named = {
-                    f"{kind}.{name}": values
-                    for kind, values_of in zip(KINDS, state, strict=True)
-                    for name, values in values_of.items()
-                }
-                np.savez(out / f"{part}.npz", **named, **{f"sum.{k}": v for k, v in sums.items()})
+            state = write_part(out / f"{part}.npz", engine)
 
 
 if __name__ == "__main__":

@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 from rafts import bonded, lattice
+from ranks import read_tables, write_part
 
 from floeflow.dynamics.bondtable import Arrays
 from floeflow.dynamics.engine import Engine, EngineParams
-
-KINDS = ("element", "bond", "contact")
 
 
 def crushed(columns: int = 16, rows: int = 12) -> list[Arrays]:
@@ -33,25 +32,14 @@ def main(out: Path, start: Path | None) -> None:
     """Write elements, bonds, contacts and sums after 500 steps, and after 500 more."""
     state: list[Arrays | None] = [*crushed(), None]
     if start is not None:
-        with np.load(start) as data:
-            for k, kind in enumerate(KINDS):
-                names = [name for name in data.files if name.startswith(f"{kind}.")]
-                state[k] = {name.removeprefix(f"{kind}."): data[name] for name in names}
+        state = read_tables(start)
     params = EngineParams(time_step=0.2, bonds=True, ridging=True, compressive_strength=1e5)
     comm = MPI.COMM_WORLD
     with Engine(comm, params, out / f"log.{comm.size}") as engine:
         for part in ("first", "second"):
-            engine.load(*state)
+            engine.load(*state[:3])
             engine.run(500)
-            state = [engine.elements(), engine.bonds(), engine.contacts()]
-            sums = engine.diagnostics()
-            if comm.rank == 0:
-                named = {
-                    f"{kind}.{name}": values
-                    for kind, table in zip(KINDS, state, strict=True)
-                    for name, values in (table or {}).items()
-                }
-                np.savez(out / f"{part}.npz", **named, **{f"sum.{k}": v for k, v in sums.items()})
+            state = write_part(out / f"{part}.npz", engine)
 
 
 if __name__ == "__main__":

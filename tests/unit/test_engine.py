@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -398,13 +399,27 @@ def test_numbers_of_numpy_are_numbers(log: Path) -> None:
         engine.run(1)
 
 
-def test_a_missing_plugin_is_one_sentence(monkeypatch: pytest.MonkeyPatch, log: Path) -> None:
-    from floeflow.dynamics import pluginlib
-
-    monkeypatch.setenv("FLOEFLOW_PLUGIN", str(log))
-    pluginlib.load_plugin.cache_clear()
-    try:
-        with pytest.raises(FloeError, match="does not exist: `make build`"):
-            Engine(SELF, EngineParams(time_step=1.0), log)
-    finally:
-        pluginlib.load_plugin.cache_clear()
+@pytest.mark.parametrize(
+    "use",
+    [
+        Engine.elements,
+        Engine.bonds,
+        Engine.contacts,
+        Engine.wall_contacts,
+        Engine.wall_forces,
+        Engine.diagnostics,
+        lambda engine: engine.run(1),
+        lambda engine: engine.remove(np.array([1])),
+        lambda engine: engine.set_forcing(uniform()),
+    ],
+)
+def test_an_engine_without_elements_says_so(log: Path, use: Callable[[Engine], object]) -> None:
+    engine = Engine(SELF, EngineParams(time_step=1.0), log)
+    with pytest.raises(EngineError, match="holds no elements"):
+        use(engine)
+    engine.load(lattice(2, 1))
+    use(engine)
+    engine.close()
+    with pytest.raises(EngineError, match="holds no elements"):
+        use(engine)
+    engine.close()

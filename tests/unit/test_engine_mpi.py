@@ -3,59 +3,32 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from ranks import run_parts
 
-from floeflow.mpi import mpi_environment
+from floeflow.dynamics.bondtable import Arrays
 
 pytestmark = pytest.mark.mpi
 
-Result = dict[str, np.ndarray]
-
 
 def run(
-    folder: Path, ranks: int, start: Path | None = None, steps: int = 1000, kind: str = "raft"
-) -> tuple[Result, Result]:
-    folder.mkdir(parents=True, exist_ok=True)
-    script = Path(__file__).with_name("engine_ranks.py")
-    command = [
-        "mpirun",
-        "-n",
-        str(ranks),
-        sys.executable,
-        str(script),
-        str(folder),
-        str(steps),
-        kind,
-    ]
-    done = subprocess.run(
-        command + ([str(start)] if start else []),
-        env=mpi_environment(),
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    parts = []
-    for part in ("first", "second"):
-        with np.load(folder / f"{part}.npz") as data:
-            parts.append({name: data[name] for name in data.files})
-    return parts[0], parts[1]
+    folder: Path, ranks: int, *start: Path, steps: int = 1000, kind: str = "raft"
+) -> tuple[Arrays, Arrays]:
+    return run_parts("engine_ranks.py", folder, ranks, steps, kind, *start)
 
 
 @pytest.fixture(scope="module")
-def ranks(tmp_path_factory: pytest.TempPathFactory) -> dict[int, tuple[Result, Result]]:
+def ranks(tmp_path_factory: pytest.TempPathFactory) -> dict[int, tuple[Arrays, Arrays]]:
     folder = tmp_path_factory.mktemp("ranks")
     return {n: run(folder / str(n), n) for n in (1, 2, 4)}
 
 
 @pytest.mark.parametrize("more", [2, 4])
 def test_one_and_more_ranks_agree_over_the_first_1000_steps(
-    ranks: dict[int, tuple[Result, Result]], more: int
+    ranks: dict[int, tuple[Arrays, Arrays]], more: int
 ) -> None:
     one, two = ranks[1][0], ranks[more][0]
     assert 0 < one["sum.bonds_broken"] and 0 < one["sum.bonds"]
@@ -69,7 +42,7 @@ def test_one_and_more_ranks_agree_over_the_first_1000_steps(
         np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-9 * scale)
 
 
-def test_sums_agree_and_each_pair_is_counted_once(ranks: dict[int, tuple[Result, Result]]) -> None:
+def test_sums_agree_and_each_pair_is_counted_once(ranks: dict[int, tuple[Arrays, Arrays]]) -> None:
     one, two = ranks[1][0], ranks[2][0]
     for name in one:
         if name.startswith("sum."):
@@ -80,7 +53,7 @@ def test_sums_agree_and_each_pair_is_counted_once(ranks: dict[int, tuple[Result,
 
 
 def test_two_ranks_repeat_themselves_to_the_bit(
-    ranks: dict[int, tuple[Result, Result]], tmp_path: Path
+    ranks: dict[int, tuple[Arrays, Arrays]], tmp_path: Path
 ) -> None:
     again = run(tmp_path, 2)
     for a, b in zip(ranks[2], again, strict=True):
@@ -89,7 +62,7 @@ def test_two_ranks_repeat_themselves_to_the_bit(
 
 
 def test_a_state_goes_on_with_another_number_of_ranks(
-    ranks: dict[int, tuple[Result, Result]], tmp_path: Path
+    ranks: dict[int, tuple[Arrays, Arrays]], tmp_path: Path
 ) -> None:
     state = tmp_path / "state.npz"
     np.savez(state, **ranks[1][0])
@@ -111,7 +84,7 @@ def test_walls_and_ridges_on_other_numbers_of_ranks(tmp_path: Path) -> None:
     assert first["sum.bonds_broken"] > 10 and first["sum.elastic_wall"] > 0
     state = tmp_path / "state.npz"
     np.savez(state, **first)
-    moved = run(tmp_path / "moved", 4, state, 200, "walls")[0]
+    moved = run(tmp_path / "moved", 4, state, steps=200, kind="walls")[0]
     for one, other in ((first, runs[2][0]), (first, runs[4][0]), (second, moved)):
         for name in ("bond.id_lo", "bond.id_hi", "contact.id_hi", "wall.id", "wall.face"):
             np.testing.assert_array_equal(other[name], one[name], err_msg=name)

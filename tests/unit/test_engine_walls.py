@@ -5,17 +5,15 @@ from __future__ import annotations
 
 import math
 import re
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 from rafts import discs
+from ranks import run_liggghts
 
 from floeflow.dynamics.engine import Engine, EngineError, EngineParams
-from floeflow.dynamics.pluginlib import plugin_path
-from floeflow.mpi import mpi_environment
 
 PLANE = "fix wall all wall/gran model floe primitive type 2 xplane 0.0"
 STIFFNESS = 1e8 * 0.8  # contact modulus times thickness
@@ -64,16 +62,7 @@ def along_a_mesh(
     friction = "yes" if move else "no"
     text = SCRIPT.format(x=x, density=density, steps=steps, move=move, friction=friction)
     (folder / "in.mesh").write_text(text)
-    command = ["mpirun", "-n", "1", str(plugin_path().with_name("liggghts-floe"))]
-    done = subprocess.run(
-        [*command, "-in", "in.mesh"],
-        cwd=folder,
-        env=mpi_environment(),
-        capture_output=True,
-        text=True,
-        errors="replace",
-        check=False,
-    )
+    done = run_liggghts(folder, "in.mesh", 1)
     assert done.returncode == 0, done.stdout + done.stderr
     found = re.search(r"^moves (\S+) (\S+) m/s", done.stdout, re.MULTILINE)
     assert found is not None

@@ -5,30 +5,13 @@ from __future__ import annotations
 
 import math
 import re
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-from floeflow.dynamics.pluginlib import plugin_path
-from floeflow.mpi import mpi_environment
+from ranks import run_liggghts
 
 FOLDER = Path("liggghts_models") / "examples"
-
-
-def run(project: Path, folder: Path, script: str, ranks: int) -> subprocess.CompletedProcess[str]:
-    program = plugin_path().with_name("liggghts-floe")
-    command = ["mpirun", "-n", str(ranks), str(program), "-in", script]
-    return subprocess.run(
-        command,
-        cwd=folder,
-        env=mpi_environment(),
-        capture_output=True,
-        text=True,
-        errors="replace",
-        check=False,
-    )
 
 
 @pytest.mark.mpi
@@ -36,7 +19,7 @@ def run(project: Path, folder: Path, script: str, ranks: int) -> subprocess.Comp
 def test_the_example_drifts_as_fast_as_the_wind_makes_it(
     project: Path, tmp_path: Path, ranks: int
 ) -> None:
-    done = run(project, tmp_path, str(project / FOLDER / "in.bonded_raft"), ranks)
+    done = run_liggghts(tmp_path, project / FOLDER / "in.bonded_raft", ranks)
     assert done.returncode == 0, done.stderr
     # 10 rows of 12 discs: 10 x 11 neighbours along the rows, 9 x 23 between them
     assert "floe_bonds: 317 bonds" in done.stdout
@@ -52,12 +35,12 @@ def test_a_wrong_keyword_and_a_fault_end_the_run_with_a_sentence(
     text = (project / FOLDER / "in.bonded_raft").read_text()
     wrong = tmp_path / "in.wrong"
     wrong.write_text(text.replace("friction_coefficient", "frction_coefficient"))
-    done = run(project, tmp_path, str(wrong), 1)
+    done = run_liggghts(tmp_path, wrong, 1)
     assert done.returncode != 0
     assert "pair_style gran model floe: unknown keyword frction_coefficient" in done.stdout
     wild = tmp_path / "in.wild"
     wild.write_text(text.replace("timestep        0.4", "timestep        40"))
-    done = run(project, tmp_path, str(wild), 1)
+    done = run_liggghts(tmp_path, wild, 1)
     assert done.returncode != 0
     assert re.search(r"Element \d+ moves further than its radius in a step at \(", done.stdout)
 
@@ -82,7 +65,7 @@ def test_elements_that_are_removed_or_leave_take_their_bonds_along(
         "group gone region hole\ndelete_atoms group gone compress no\n"
         f"run 2000\nfloe_bonds gap 0.5 thickness 1\nrun 2000\n{rest}"
     )
-    done = run(project, tmp_path, str(removed), ranks)
+    done = run_liggghts(tmp_path, removed, ranks)
     assert done.returncode == 0, done.stderr
     elements, bonds = raft_without(lambda x, y: 5.9 < x < 8.1 and y < 2.3)
     after = done.stdout.split("Deleted")[1]
@@ -95,6 +78,6 @@ def test_elements_that_are_removed_or_leave_take_their_bonds_along(
     leaving.write_text(
         text.replace("thermo          100000", "thermo_modify lost ignore") + "run 8000\n" + rest
     )
-    done = run(project, tmp_path, str(leaving), ranks)
+    done = run_liggghts(tmp_path, leaving, ranks)
     assert done.returncode == 0, done.stderr
     assert re.search(r"Loop time .* with (1[01]\d) atoms", done.stdout)

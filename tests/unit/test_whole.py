@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Files that are written whole: after a fault the old one stays, and nothing beside it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from floeflow.errors import FloeError
+from floeflow.whole import write_text, write_whole
+
+
+@pytest.mark.parametrize("fault", [OSError(28, "No space left on device"), ValueError("odd")])
+def test_a_fault_leaves_the_old_file_alone(tmp_path: Path, fault: Exception) -> None:
+    path = tmp_path / "deep" / "a.txt"
+    write_text("old", path)
+    told = isinstance(fault, OSError)
+    words = r"a\.txt: cannot be written: No space" if told else "odd"
+    with pytest.raises(FloeError if told else ValueError, match=words), write_whole(path) as new:
+        new.write_text("half")
+        raise fault
+    assert path.read_text() == "old" and list(path.parent.iterdir()) == [path]
+
+
+def test_others_may_read_what_the_mask_lets_them(tmp_path: Path) -> None:
+    before = os.umask(0o027)
+    try:
+        write_text("ä", tmp_path / "a.txt")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "a.txt").stat().st_mode & 0o777 == 0o640
+    assert (tmp_path / "a.txt").read_bytes() == "ä".encode()
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(FloeError, match=r"a\.txt: cannot be written: Not a directory|File exists"):
+        write_text("", tmp_path / "file" / "a.txt")
