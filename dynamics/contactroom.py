@@ -130,7 +130,8 @@ def element_kinds(elements: Arrays) -> Kinds:
     while len(first) > MOST:
         size = np.column_stack([radius, np.maximum(thickness, 1e-12)])
         classes = np.floor(np.log(size) / np.log1p(width)).astype(int)
-        first, of = np.unique(np.column_stack([classes, inverse > 0.0]), axis=0, return_inverse=True)
+        classes = np.column_stack([classes, inverse > 0.0])
+        first, of = np.unique(classes, axis=0, return_inverse=True)
         width *= 2.0
     of, n = of.ravel(), len(first)
     smallest, inverses = np.full(n, np.inf), np.full(n, np.inf)
