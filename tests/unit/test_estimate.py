@@ -174,7 +174,7 @@ def test_auto_chooses_and_says_why(tmp_path: Path):
     assert all(EFFECTS[name].column for name in chosen - {"grid_output"})
 
 
-def test_the_command_prints_the_table(tmp_path: Path):
+def test_the_command_prints_the_table():
     command = [sys.executable, "-m", "floeflow.effects", str(SMOKE)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr

@@ -25,16 +25,6 @@ from floeflow.state import read_dataset, read_state
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory):
-    return make_run(tmp_path_factory.mktemp("run"))
-
-
-@pytest.fixture(scope="module")
-def states(run):
-    return [read_state(run.path("state", window)) for window in (0, *run.windows)]
-
-
-@pytest.fixture(scope="module")
 def packing(run):
     return read_dataset(run.folder / "preprocess" / "packing.nc")
 

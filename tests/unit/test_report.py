@@ -136,11 +136,6 @@ def report_of(run: Run) -> str:
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    return make_run(tmp_path_factory.mktemp("run"))
-
-
-@pytest.fixture(scope="module")
 def page(run: Run) -> Page:
     return Page(report_of(run))
 
