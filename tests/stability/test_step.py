@@ -171,11 +171,11 @@ def test_pressed_packs_blow_up_where_theory_says(log: Path, name: str, record):
 
 
 WASTED = {
-    "pair": "0.24: a step for six neighbours of which there is one; 0.65 of its own limit would "
+    "pair": "0.23: a step for six neighbours of which there is one; 0.65 of its own limit would "
     "resolve a collision by 2.4 steps and miss 3 to 18 % of its energy, where 2 % are allowed",
     "chain": "0.26: a step for six neighbours of which there are two; as for the pair",
     "lattice, mixed radius": "0.40: the smallest disc might meet six as small ones in the window",
-    "random": "0.22: the smallest disc touches one neighbour and might meet six as small ones",
+    "random": "0.21: the smallest disc touches one neighbour and might meet six as small ones",
 }
 
 
