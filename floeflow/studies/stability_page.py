@@ -52,15 +52,16 @@ def sentences(shown: list[Shown]) -> list[str]:
         ended[entry["outcome"]] = ended.get(entry["outcome"], 0) + 1
     said = ", ".join(f"{count} {name}" for name, count in sorted(ended.items()))
     out = [f"{len(modules)} cases with {len(shown)} tests: {said}."]
-    shares = [
-        e["figures"]["default_over_largest"]
-        for e in shown
-        if "default_over_largest" in e["figures"]
-    ]
-    if shares:
-        out.append(
-            f"The default step is {100 * min(shares):.0f} % or more of the largest stable one."
-        )
+    for name, packs in (
+        ("default_over_largest", "bonded packs"),
+        ("unbonded_default_over_largest", "packs that contacts alone hold"),
+    ):
+        shares = [100.0 * e["figures"][name] for e in shown if name in e["figures"]]
+        if shares:
+            out.append(
+                f"The default step is {min(shares):.0f} to {max(shares):.0f} % of the largest "
+                f"stable one in {packs}."
+            )
     return out
 
 
@@ -81,9 +82,11 @@ def main(snakemake: stage.Snakemake) -> None:
     drawings = [draw(folder, "residuals", caption, residual_figure(residuals(shown)))]
     for entry in shown:
         if found := entry["figures"].get("map"):
-            lines = {(name, young): shares for name, young, shares in found["lines"]}
-            figure = stability_map(lines, found["dampings"], found["default"])
-            caption = "Largest time step at which no energy grows, over the critical one."
+            figure = stability_map(found["panels"], found["dampings"], found["default"])
+            caption = (
+                "Largest time step at which no energy grows, over the critical one, of packs that "
+                "bonds hold together and of packs of contacts pressed into a frame."
+            )
             drawings.append(draw(folder, "stability_map", caption, figure))
     table = case_table(shown)
     out = snakemake.output
