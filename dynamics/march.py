@@ -15,7 +15,7 @@ import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -209,12 +209,14 @@ def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
         provenance |= job.fixed | {"window": made_from}
         advanced.state.attrs["provenance"] = json.dumps(provenance, sort_keys=True)
         work = resume.work_folder(folder, window)
-        on_root(comm, _write, advanced, work, began)
+        on_root(comm, _write, advanced, work, began, scene.state.precision)
         # What the next window starts from is what a restart would read.
         state = on_root(comm, read_state, work / resume.PARTS["state"])
 
 
-def _write(advanced: Advanced, work: Path, began: float) -> None:
+def _write(
+    advanced: Advanced, work: Path, began: float, precision: Literal["double", "single"]
+) -> None:
     # The state comes last: where it is, the others are too.
     write_dataset(advanced.series, work / resume.PARTS["series"])
     known = sum(record.seconds[0] for record in advanced.cost)
@@ -222,7 +224,7 @@ def _write(advanced: Advanced, work: Path, began: float) -> None:
     rest = time.perf_counter() - began - known
     records = [*advanced.cost, Record("exchange", n, ranks, [rest])]
     write_records(records, work / resume.PARTS["cost"])
-    write_state(advanced.state, work / resume.PARTS["state"])
+    write_state(advanced.state, work / resume.PARTS["state"], precision)
 
 
 def _reporter(comm: MPI.Comm, window: str) -> Report:

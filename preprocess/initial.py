@@ -100,7 +100,8 @@ def main(snakemake: stage.Snakemake) -> None:
     scene = stage.scene(snakemake)
     packing = read_dataset(snakemake.input.packing)
     bonds = read_dataset(snakemake.input.bonds) if "bonds" in scene.effects else None
-    write_state(make_state(scene, packing, bonds), snakemake.output.state)
+    state = make_state(scene, packing, bonds)
+    write_state(state, snakemake.output.state, scene.state.precision)
 
 
 if "snakemake" in globals():

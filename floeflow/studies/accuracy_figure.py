@@ -36,6 +36,11 @@ STYLES = (
     ("#8a6d3b", "<", (0, (8, 2))),
     ("#4b0082", ">", (0, (2, 2))),
     (FAINT, "h", "-"),
+    ("#7fb800", "p", "--"),
+    ("#a2142f", "*", "-."),
+    ("#006d77", "d", ":"),
+    ("#b56576", "H", (0, (5, 1))),
+    ("#3d405b", "8", (0, (1, 1))),
 )
 LEAST = 1.0e-7
 
@@ -45,7 +50,8 @@ def accuracy_figure(study: Accuracy, norm: str) -> Figure:
 
     Lines show the error that a knob alone makes, the marks of "all knobs" and the thick grey line,
     the Pareto front of all runs, that of all knobs. Stars are the default, crosses at the top runs
-    that failed; below the hatched line is what chaos alone makes. The reference is not drawn.
+    that failed; below the hatched line is what chaos alone makes. Not drawn are the reference and
+    knobs that the norm does not feel.
     """
     with look():
         figure = new_figure(7.6, 4.6)
@@ -95,7 +101,7 @@ def _knob(
     axes: Axes, points: list[Point], norm: str, name: str, style: tuple[str, str, object]
 ) -> None:
     good = [p for p in points if p.stable and norm in p.errors and p.run != REFERENCE]
-    if not good:
+    if max((p.errors[norm] for p in good), default=0.0) < LEAST:
         return
     colour, mark, dash = style
     x, y = [p.work for p in good], [max(p.errors[norm], LEAST) for p in good]

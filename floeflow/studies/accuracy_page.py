@@ -36,7 +36,8 @@ def recommendations(study: Accuracy, scene: Scene) -> dict[float, Setting | None
 
 def recommendation_table(study: Accuracy, scene: Scene) -> Table:
     """Settings for 1, 5 and 20 % error."""
-    names = [knob.name for knob in knobs(scene)]
+    turned = knobs(scene)
+    names = [knob.name for knob in turned]
     rows = []
     for target, setting in recommendations(study, scene).items():
         if setting is None:
@@ -44,7 +45,7 @@ def recommendation_table(study: Accuracy, scene: Scene) -> Table:
             least = f"least {100 * best.error:.2g}" if best else "none"
             rows.append([100 * target, least, "", *[""] * len(names)])
         else:
-            levels = [f"x {setting.levels.get(name, 1.0):.3g}" for name in names]
+            levels = [knob.told(setting.levels.get(knob.name, 1.0)) for knob in turned]
             rows.append([100 * target, 100 * setting.error, setting.work, *levels])
     note = (
         "Levels are factors by which a knob is coarser (above 1) or finer than in the scene; error "

@@ -26,15 +26,18 @@ from floeflow.postprocess.remap.weights import (
     EMPTY,
     FILLED,
     MLS,
+    NEAREST,
     SHEPARD,
     Weights,
     build_weights,
+    nearest_weights,
 )
 
 __all__ = [
     "EMPTY",
     "FILLED",
     "MLS",
+    "NEAREST",
     "ROOM",
     "SHEPARD",
     "Bins",
@@ -61,6 +64,7 @@ __all__ = [
     "mean_wind",
     "near_cells",
     "nearest_bounded",
+    "nearest_weights",
     "open_room",
     "polygon_points",
     "remap",

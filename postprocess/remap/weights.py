@@ -9,7 +9,7 @@ a pair, so ranks can share the elements.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ from floeflow.postprocess.remap.stencil import (
     sum_moments,
 )
 
-EMPTY, SHEPARD, MLS, FILLED = 0, 1, 2, 3
+EMPTY, SHEPARD, MLS, FILLED, NEAREST = 0, 1, 2, 3, 4
 
 CONDITION_LIMIT = 1e3
 # Elements with less than this share of the heaviest one's weight count as having none: the square
@@ -47,7 +47,8 @@ class Weights:
     target : Target
         The grid or mesh.
     status : ndarray of int8
-        (target.shape): EMPTY, SHEPARD, MLS, or FILLED from the nearest node that is not empty.
+        (target.shape): EMPTY, SHEPARD, MLS, FILLED from the nearest node that is not empty, or
+        NEAREST element alone.
     condition : ndarray
         (target.shape): condition number of the scaled moment matrix; inf where it is singular.
     reach : int
@@ -246,6 +247,32 @@ def build_weights(
         matrix, status = _fill(matrix, status, target, fill)
     shape = target.shape
     return Weights(matrix, target, status.reshape(shape), condition.reshape(shape), reach)
+
+
+def nearest_weights(x: Array, y: Array, area: Array, target: Target, pairs: Stencil) -> Weights:
+    """Weights that give each node the value of the nearest element in reach that has any parent.
+
+    Parameters
+    ----------
+    x, y, area, target
+        As `build_weights` takes them.
+    pairs : Stencil
+        ``target.pairs(x, y, reach)``.
+
+    Returns
+    -------
+    Weights
+        One element to a node: its row is all of a Shepard average.
+    """
+    node = np.repeat(np.arange(len(pairs.start) - 1), np.diff(pairs.start))
+    there = area[pairs.element] > LEAST_SHARE * area.max(initial=0.0)
+    away = np.where(there, pairs.xi**2 + pairs.eta**2, np.inf)
+    order = np.lexsort((pairs.element, away, node))
+    first = np.zeros(len(node), dtype=bool)
+    first[order[np.unique(node, return_index=True)[1]]] = True
+    found = build_weights(x, y, area, target, pairs=select_pairs(pairs, first & there))
+    status = np.where(found.status == EMPTY, EMPTY, NEAREST).astype(np.int8)
+    return replace(found, status=status)
 
 
 def select_pairs(pairs: Stencil, chosen: NDArray[np.bool_]) -> Stencil:

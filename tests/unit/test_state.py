@@ -14,7 +14,7 @@ from floeflow.effects import EFFECTS
 from floeflow.errors import FloeError
 from floeflow.state import SCHEMA_VERSION, VARIABLES, read_dataset, read_state, write_state
 from floeflow.state.files import checksum
-from floeflow.state.schema import check_state, expected_variables
+from floeflow.state.schema import EXACT, ROUNDED, check_state, expected_variables
 
 
 def a_state(effects: tuple[str, ...] = ("wind", "bonds", "thermodynamics", "snow"), n: int = 4):
@@ -150,3 +150,30 @@ def test_a_failed_write_keeps_the_older_file(tmp_path: Path):
     (tmp_path / "file").write_text("")
     with pytest.raises(FloeError, match="cannot be written"):
         write_state(a_state(), tmp_path / "file" / "s.nc")
+
+
+def test_single_precision_rounds_what_may_be_rounded_and_nothing_else(tmp_path: Path):
+    state = a_state(n=50)
+    write_state(state, tmp_path / "double.nc")
+    digest = write_state(state, tmp_path / "single.nc", "single")
+    stored, back = read_dataset(tmp_path / "single.nc"), read_state(tmp_path / "single.nc")
+    assert back.attrs["checksum"] == digest and EXACT and ROUNDED
+    for name in map(str, state.variables):
+        assert back[name].dtype == state[name].dtype
+        if name in ROUNDED:
+            assert stored[name].dtype == np.float32
+            np.testing.assert_allclose(back[name], state[name], rtol=2.0**-24)
+        else:
+            np.testing.assert_array_equal(back[name], state[name])
+    assert {"x", "y", "area", "ice_fraction", "sea_temperature", "wall_face_ax"} <= set(EXACT)
+    assert not set(EXACT) & set(ROUNDED)
+    # Once rounded, a state comes back bit for bit.
+    assert write_state(back, tmp_path / "again.nc", "single") == digest
+    sizes = [(tmp_path / f"{name}.nc").stat().st_size for name in ("double", "single")]
+    assert sizes[1] < sizes[0]
+
+
+def test_rounding_keeps_the_schema_s_bounds():
+    for name in ROUNDED:
+        for bound in (VARIABLES[name].low, VARIABLES[name].high):
+            assert np.float64(np.float32(bound)) == bound
