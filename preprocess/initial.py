@@ -13,7 +13,8 @@ from floeflow.config import stage_hash
 from floeflow.config.blocks import Scene
 from floeflow.preprocess.walls import wall_variables
 from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
-from floeflow.state.schema import SCHEME_ATTRIBUTE, VARIABLES, expected_variables
+from floeflow.state.attributes import SCHEME_ATTRIBUTE
+from floeflow.state.schema import VARIABLES, expected_variables
 
 # Stages on which the state at the start depends.
 STAGES = ("land", "mask", "packing", "bonds", "initial")

@@ -76,6 +76,7 @@ def test_only_the_scene_s_effects_bring_variables():
 def broken(change: str):
     """Break one thing of a state."""
     state = a_state()
+    state.attrs["column_scheme"] = "zero_layer"
     if change == "missing":
         return state.drop_vars("x")
     if change == "nan":
@@ -96,7 +97,18 @@ def broken(change: str):
         state.attrs["schema_version"] = SCHEMA_VERSION + 1
     if change == "attribute":
         del state.attrs["seed"]
+    if change in state.attrs:
+        state.attrs[change] = UNTRUE[change]
     return state
+
+
+UNTRUE = {
+    "effects": "wind haze",
+    "column_scheme": "onion",
+    "time": np.nan,
+    "start": "soon",
+    "provenance": "[" * 10**5,
+}
 
 
 @pytest.mark.parametrize(
@@ -112,6 +124,11 @@ def broken(change: str):
         ("ghost", "names an element that does not exist"),
         ("newer", f"schema version is {SCHEMA_VERSION + 1}, this FloeFlow reads version"),
         ("attribute", "attribute 'seed' is missing"),
+        ("effects", "attribute 'effects' names 'haze', which is no effect"),
+        ("column_scheme", "'column_scheme' is 'onion', which is no column scheme"),
+        ("time", "attribute 'time' is nan"),
+        ("start", "attribute 'start' is 'soon', which is no time"),
+        ("provenance", "attribute 'provenance' is no JSON object"),
     ],
 )
 def test_a_broken_state_is_refused(tmp_path: Path, change: str, sentence: str):
