@@ -13,6 +13,7 @@ from floeflow.postprocess.remap.carry import Carried, carry, near_cells
 from floeflow.postprocess.remap.fields import ROOM, Field, Remapper, build_remapper, remap
 from floeflow.postprocess.remap.grid import Grid
 from floeflow.postprocess.remap.mesh import Mesh, curvilinear
+from floeflow.postprocess.remap.nearest import nearest_weights
 from floeflow.postprocess.remap.quadrature import Points, disc_points, polygon_points
 from floeflow.postprocess.remap.samples import (
     Sampler,
@@ -30,7 +31,6 @@ from floeflow.postprocess.remap.weights import (
     SHEPARD,
     Weights,
     build_weights,
-    nearest_weights,
 )
 
 __all__ = [

@@ -18,12 +18,12 @@ import numpy as np
 from floeflow.errors import FloeError
 from floeflow.postprocess.remap.bins import Bins, Room, build_bins
 from floeflow.postprocess.remap.bounded import Ranks
+from floeflow.postprocess.remap.nearest import nearest_weights
 from floeflow.postprocess.remap.stencil import Array
 from floeflow.postprocess.remap.weights import (
     CONDITION_LIMIT,
     Weights,
     build_weights,
-    nearest_weights,
 )
 
 # Parent of an area that fills the sea of the cells: at most all of it.

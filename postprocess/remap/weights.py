@@ -9,7 +9,7 @@ a pair, so ranks can share the elements.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -247,32 +247,6 @@ def build_weights(
         matrix, status = _fill(matrix, status, target, fill)
     shape = target.shape
     return Weights(matrix, target, status.reshape(shape), condition.reshape(shape), reach)
-
-
-def nearest_weights(x: Array, y: Array, area: Array, target: Target, pairs: Stencil) -> Weights:
-    """Weights that give each node the value of the nearest element in reach that has any parent.
-
-    Parameters
-    ----------
-    x, y, area, target
-        As `build_weights` takes them.
-    pairs : Stencil
-        ``target.pairs(x, y, reach)``.
-
-    Returns
-    -------
-    Weights
-        One element to a node: its row is all of a Shepard average.
-    """
-    node = np.repeat(np.arange(len(pairs.start) - 1), np.diff(pairs.start))
-    there = area[pairs.element] > LEAST_SHARE * area.max(initial=0.0)
-    away = np.where(there, pairs.xi**2 + pairs.eta**2, np.inf)
-    order = np.lexsort((pairs.element, away, node))
-    first = np.zeros(len(node), dtype=bool)
-    first[order[np.unique(node, return_index=True)[1]]] = True
-    found = build_weights(x, y, area, target, pairs=select_pairs(pairs, first & there))
-    status = np.where(found.status == EMPTY, EMPTY, NEAREST).astype(np.int8)
-    return replace(found, status=status)
 
 
 def select_pairs(pairs: Stencil, chosen: NDArray[np.bool_]) -> Stencil:
