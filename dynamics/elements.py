@@ -27,13 +27,14 @@ def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
         The state.
     minimum_thickness : float
         Elements with less ice than this (m over their whole area) get the mass and thickness of
-        this much, so that ice that melts out keeps a mass.
+        this much, and the drag of the part that is made up, so that ice that melts out keeps a
+        mass and goes with wind and water.
 
     Returns
     -------
     dict of ndarray, shape (n,)
         id, type, x, y, theta, u, v, omega, radius, mass (kg), thickness (m, `bearing_thickness`),
-        ice_area (m2).
+        ice_area (m2, on which wind and water act).
     """
     arrays = {name: state[name].values.copy() for name in ("id", "type", *MOVED, "radius")}
     area = state["area"].values
@@ -44,7 +45,8 @@ def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
         load = load + SNOW_DENSITY * state["snow_volume"].values.sum(axis=1)
     arrays["mass"] = area * load
     arrays["thickness"] = np.maximum(joint_thickness(state), minimum_thickness)
-    arrays["ice_area"] = area * fraction
+    made_up = np.maximum(1.0 - volume / minimum_thickness, 0.0)
+    arrays["ice_area"] = area * np.maximum(fraction, made_up)
     # Coast stands for no ocean, but a contact needs a mass on both sides.
     coast = arrays["type"] == COAST
     disc = np.pi * arrays["radius"][coast] ** 2

@@ -27,6 +27,7 @@ from floeflow.dynamics import resume
 from floeflow.dynamics.collective import leave, on_root
 from floeflow.dynamics.coupling import advance_columns, freeze_window
 from floeflow.dynamics.elements import pair_arrays, thin_bonds
+from floeflow.dynamics.grown import keep_forces
 from floeflow.dynamics.job import Job
 from floeflow.dynamics.motion import Motion, move
 from floeflow.dynamics.remesh.cells import Cells, read_cells
@@ -92,7 +93,7 @@ def advance_window(
     middle = 0.5 * (start + end) if scene.column.splitting == "around" else start
     before = Grown(state)
     if middle > start:
-        before = grow(comm, scene, state, forcing, (start, middle), area)
+        before = grow(comm, scene, state, forcing, (start, middle), area, start)
     grown = volumes(before.state, "dynamics")
     motion = move(comm, scene, before.state, forcing, log, report)
     state = carry_drift(before.state, motion.state)
@@ -100,7 +101,7 @@ def advance_window(
     for name, volume in volumes(state, "dynamics").items():
         at_start = budget[name.replace("_dynamics", "_start")]
         budget[name] = volume - (grown[name] - at_start) if middle > start else volume
-    after = grow(comm, scene, state, forcing, (middle, end), area)
+    after = grow(comm, scene, state, forcing, (middle, end), area, end)
     state = after.state
     for name in after.terms:
         budget[name] = before.terms.get(name, 0.0) + after.terms[name]
@@ -144,8 +145,11 @@ def grow(
     forcing: xr.Dataset,
     span: tuple[float, float],
     area: np.ndarray,
+    moved: float,
 ) -> Grown:
-    """Advance the columns over a part of a window, if the scene has any, and thin bonds with them.
+    """Advance the columns over a part of a window, if the scene has any, and what they join.
+
+    Bonds get thinner where ice melts; contacts keep their force where it grows.
 
     Parameters
     ----------
@@ -155,12 +159,14 @@ def grow(
         Start and end, s since the scene's start.
     area : ndarray
         Effective areas before the dynamics (m2): what closed since then ridges.
+    moved : float
+        Time to which elements and walls have moved, s since the scene's start.
     """
     if "thermodynamics" not in scene.effects:
         return Grown(state)
     began, used = time.perf_counter(), time.process_time()
-    state, terms = advance_columns(comm, scene, state, forcing, span, area)
-    state = thin_bonds(state)
+    grown, terms = advance_columns(comm, scene, state, forcing, span, area)
+    state = keep_forces(state, thin_bonds(grown), scene.dynamics.minimum_thickness, moved)
     cpu = comm.allreduce(time.process_time() - used)
     return Grown(state, terms, time.perf_counter() - began, cpu)
 

@@ -87,7 +87,7 @@ def close_areas(
 def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
     """Contact stiffness over the contact modulus, m: h_i h_j / (h_i + h_j)."""
     a, b = elements["thickness"][lo], elements["thickness"][hi]
-    return np.asarray(a * b / (a + b))
+    return np.asarray(a * b / np.maximum(a + b, np.finfo(float).tiny))
 
 
 def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:

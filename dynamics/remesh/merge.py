@@ -14,9 +14,10 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from floeflow.dynamics.bondtable import Arrays, element_rows
-from floeflow.dynamics.elements import pair_arrays
+from floeflow.dynamics.elements import joint_thickness, pair_arrays
 from floeflow.dynamics.remesh.tables import element_values, put_together, with_pairs, with_walls
 from floeflow.dynamics.remesh.transport import amounts, values_of
+from floeflow.dynamics.ridging import contact_share
 from floeflow.state.schema import MASS, MOBILE, VARIABLES
 
 Array = NDArray[np.float64]
@@ -91,6 +92,8 @@ def merge(state: xr.Dataset, into: Index) -> xr.Dataset:
         bonds = _moved_bonds(pair_arrays(state, "bond"), old, new, group)
         whole = bonds["length"] * bonds["thickness"] * (1 - bonds["crack_a"] - bonds["crack_b"])
         tables["bond"] = _one_per_pair(bonds, whole)
+    for elements, made in ((old, state), (new, out)):
+        elements["thickness"] = joint_thickness(made)
     tables["contact"] = _moved_contacts(pair_arrays(state, "contact"), old, new, group)
     if "bond" in tables:
         apart = ~_same_pairs(tables["contact"], tables["bond"])
@@ -184,19 +187,23 @@ def _one_per_pair(pairs: Arrays, strength: Array) -> Arrays:
 
 
 def _moved_contacts(contacts: Arrays, old: Arrays, new: Arrays, group: Index) -> Arrays:
-    """Contacts of the merged elements with the elastic overlap that they had."""
+    """Contacts of the merged elements with the force that they had."""
 
     def overlap(elements: Arrays, lo: Index, hi: Index) -> Array:
         dx, dy = (elements[axis][hi] - elements[axis][lo] for axis in ("x", "y"))
         return np.asarray(elements["radius"][lo] + elements["radius"][hi] - np.hypot(dx, dy))
 
     lo, hi = (element_rows(old["id"], contacts[f"id_{end}"]) for end in ("lo", "hi"))
+    elastic = overlap(old, lo, hi) - contacts["rest_overlap"]
     # Where nothing has changed, not even a round-off does.
     rest = contacts["rest_overlap"] + (overlap(new, group[lo], group[hi]) - overlap(old, lo, hi))
-    elastic = overlap(old, lo, hi) - contacts["rest_overlap"]
-    out = _in_order(
-        contacts | {"rest_overlap": rest, "_": elastic}, group[lo], group[hi], new["id"]
-    )
+    apart = group[lo] != group[hi]
+    # Thicker ice is stiffer: less overlap holds the same force.
+    now = contact_share(new, group[lo], group[hi])
+    softer = np.divide(contact_share(old, lo, hi), now, out=np.ones_like(now), where=now > 0)
+    rest = rest + np.where(apart & (elastic > 0), elastic * (1.0 - softer), 0.0)
+    held = {"rest_overlap": rest, "slip": contacts["slip"] * softer, "_": elastic}
+    out = _in_order(contacts | held, group[lo], group[hi], new["id"])
     elastic = out.pop("_")
     out = _one_per_pair(out | {"_": elastic}, elastic)
     elastic = out.pop("_")

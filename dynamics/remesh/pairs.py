@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from floeflow.dynamics.bondtable import EDGE_SHARE, Arrays, element_rows, new_bonds
 from floeflow.dynamics.remesh.cells import Cells
+from floeflow.dynamics.ridging import contact_share
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -224,8 +225,9 @@ def fresh_contacts(
 ) -> Arrays:
     """Contacts of fresh elements whose parts were ridging against each other.
 
-    They reach across the gap between the fresh discs and go on from the mean elastic overlap,
-    closing, thickness and time in touch of their parts; slip is let go.
+    They reach across the gap between the fresh discs and go on from the mean force per contact
+    length, closing, thickness and time in touch of their parts; slip is let go. A mean overlap
+    would make other forces where thicknesses and sizes differ, above what the ridges hold.
 
     Parameters
     ----------
@@ -241,6 +243,8 @@ def fresh_contacts(
     a, b = (element_rows(old["id"], contacts[f"id_{end}"]) for end in ("lo", "hi"))
     apart = np.hypot(old["x"][b] - old["x"][a], old["y"][b] - old["y"][a])
     elastic = old["radius"][a] + old["radius"][b] - apart - contacts["rest_overlap"]
+    length = np.where(contacts["ridge_length"] > 0, contacts["ridge_length"], 1.0)
+    push = np.maximum(elastic, 0.0) * contact_share(old, a, b) / length
     pressed = contacts["ridge_closing"] > 0
     a, b = a[pressed], b[pressed]
     partners = np.bincount(np.append(a, b), minlength=count)
@@ -266,14 +270,16 @@ def fresh_contacts(
     def mean(values: Array) -> Array:
         return mean_over_parts(table(values), share, lo, hi) / weight
 
+    length = 2.0 * EDGE_SHARE * np.minimum(fresh["radius"][lo], fresh["radius"][hi])
+    carried = mean(push) * length / contact_share(fresh, lo, hi)
     made: Arrays = {
         "id_lo": fresh["id"][lo],
         "id_hi": fresh["id"][hi],
         "slip": np.zeros(len(lo)),
-        "rest_overlap": overlap - mean(np.maximum(elastic, 0.0)),
+        "rest_overlap": overlap - carried,
         "ridge_closing": mean(contacts["ridge_closing"]),
         "ridge_thickness": mean(contacts["ridge_thickness"]),
-        "ridge_length": 2.0 * EDGE_SHARE * np.minimum(fresh["radius"][lo], fresh["radius"][hi]),
+        "ridge_length": length,
     }
     if "touch_time" in contacts:
         made["touch_time"] = mean(contacts["touch_time"])

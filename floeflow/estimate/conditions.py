@@ -55,6 +55,8 @@ class Conditions:
         Mean convergence of the wind over the ice where it converges, 1/s.
     concentration, thickness, snow : float
         Of the ice at the start; thickness and snow are means over the ice.
+    concentration_spread : float
+        Standard deviation of the concentration over the sea that has ice.
     coast_share : float
         Share of the ice within an element of land.
     element_size, fetch : float
@@ -77,6 +79,10 @@ class Conditions:
         Ice that is less dense has no bonds.
     refreeze_time, refreeze_temperature : float
         When elements in touch freeze together.
+    mixed_layer_depth, new_ice_thickness : float
+        Of the sea under an element, and of the ice that open water makes, m.
+    layered : bool
+        Whether the ice has layers: its area then shrinks as it thins.
     """
 
     seconds: float
@@ -110,6 +116,10 @@ class Conditions:
     bond_concentration: float
     refreeze_time: float
     refreeze_temperature: float
+    concentration_spread: float
+    mixed_layer_depth: float
+    new_ice_thickness: float
+    layered: bool
 
     @property
     def coriolis(self) -> float:
@@ -154,6 +164,17 @@ class Conditions:
         """From 0 (floes apart) to 1 (jammed): discs in the plane touch from 0.8 on."""
         packed = self.concentration * (1.0 + self.closing)
         return min(1.0, max(0.0, (packed - 0.7) / 0.2))
+
+    @property
+    def crushing(self) -> float:
+        """Compressive strength of the pack over the wind's push across it: σ_c h / (τ_a L)."""
+        push = self.wind_stress * self.fetch
+        return self.strength * self.thickness / push if push > 0 else math.inf
+
+    @property
+    def yielding(self) -> float:
+        """Share of the closing to which a jammed pack yields: what its strength leaves of it."""
+        return self.compaction * max(0.0, 1.0 - self.crushing)
 
     @property
     def spread(self) -> float:
@@ -210,7 +231,20 @@ def conditions(scene: Scene) -> Conditions:
         bond_concentration=scene.packing.bond_concentration,
         refreeze_time=d.refreeze_time,
         refreeze_temperature=d.refreeze_temperature,
+        concentration_spread=_spread(siconc, area),
+        mixed_layer_depth=scene.column.mixed_layer_depth,
+        new_ice_thickness=scene.column.new_ice_thickness,
+        layered=scene.column.scheme != "zero_layer",
     )
+
+
+def _spread(siconc: np.ndarray, area: np.ndarray) -> float:
+    """Standard deviation of the concentration over the sea that has ice."""
+    total = float(area.sum())
+    if not total:
+        return 0.0
+    mean = float((area * siconc).sum()) / total
+    return math.sqrt(float((area * (siconc - mean) ** 2).sum()) / total)
 
 
 def _mask(scene: Scene) -> xr.Dataset:

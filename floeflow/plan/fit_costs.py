@@ -175,17 +175,20 @@ def _cells(scene: Scene) -> float:
 
 
 def _fit_steps(runs: Sequence[Run]) -> dict[str, float]:
-    """Critical step over element size and speed of sound: bonds, friction, bare contacts."""
-    found: dict[str, list[float]] = {"step_bonds": [], "step_friction": [], "step_contacts": []}
+    """Critical step over element size and speed of sound: bare contacts, friction, bonds alone."""
+    rows, values = [], []
     for run in runs:
         d, effects = run.scene.dynamics, run.scene.effects
-        held = bonded(run.conditions, effects)
-        kind = "step_bonds" if held else "step_friction" if "friction" in effects else ""
-        modulus = d.young_modulus if held else d.contact_modulus
         critical = float(run.record["time_step"]) / d.step_share
-        reach = run.conditions.element_size / math.sqrt(modulus / ICE_DENSITY)
-        found[kind or "step_contacts"].append(critical / reach)
-    return {name: median(values) for name, values in found.items() if values}
+        contacts, bonds = d.contact_modulus / ICE_DENSITY, d.young_modulus / ICE_DENSITY
+        held = bonded(run.conditions, effects)
+        rows.append([contacts, contacts * ("friction" in effects), bonds * held])
+        values.append((run.conditions.element_size / critical) ** 2)
+    told = [any(column) for column in zip(*rows, strict=True)]
+    names = ("step_contacts", "step_friction", "step_bonds")
+    # What costs no step at all is a factor that is large, not infinite.
+    found = 1.0 / np.sqrt(np.maximum(_solve(rows, values), 1e-6))
+    return {n: float(f) for n, f, there in zip(names, found, told, strict=True) if there}
 
 
 def _fit_coast(runs: Sequence[Run]) -> dict[str, float]:

@@ -12,7 +12,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import tempfile
 from pathlib import Path
 from typing import Literal
 
@@ -22,6 +21,7 @@ import xarray as xr
 from floeflow.errors import FloeError
 from floeflow.state.schema import ROUNDED, VARIABLES, check_state
 from floeflow.state.seal import check_seal, seal
+from floeflow.whole import write_whole
 
 CHECKSUM = "checksum"
 
@@ -65,26 +65,12 @@ def write_dataset(data: xr.Dataset, path: str | Path) -> str:
     path = Path(path)
     data = data.copy()
     data.attrs[CHECKSUM] = checksum(data)
-    temporary = None
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        os.close(handle)
+    with write_whole(path) as temporary:
         encoding = {str(name): {"_FillValue": None} for name in data.variables}
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
-        seal(Path(temporary))
-        # mkstemp makes files that only their owner reads.
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
+        seal(temporary)
         with open(temporary, "rb+") as file:
             os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except (OSError, RuntimeError) as error:
-        if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
-        reason = getattr(error, "strerror", None) or error
-        raise FloeError(f"{path}: cannot be written: {reason}") from None
     return str(data.attrs[CHECKSUM])
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from floeflow import stage
-from floeflow.studies.page import Table, as_markdown, cell, draw, render_study
+from floeflow.studies.page import Study, Table, as_markdown, cell, draw, write_study
 from floeflow.studies.stability_figure import residual_figure, stability_map
 from floeflow.whole import write_text
 
@@ -16,6 +16,7 @@ LEAD = (
     "is hard and what must hold in it is told in docs/stability.md."
 )
 Shown = dict[str, Any]
+ENDS = ("passed", "skipped", "failed")
 
 
 def case_table(shown: list[Shown]) -> Table:
@@ -30,6 +31,17 @@ def case_table(shown: list[Shown]) -> Table:
             (entry["module"], f"{what} ({place})" if place else what, entry["outcome"], said)
         )
     return Table("Hard cases", ("case", "what", "outcome", "figures"), rows)
+
+
+def summary(shown: list[Shown]) -> Table:
+    """Row for each case: its tests, how they ended, the largest part of the energy missed."""
+    rows = []
+    for module in sorted({entry["module"] for entry in shown}):
+        own = [entry for entry in shown if entry["module"] == module]
+        ended = [sum(entry["outcome"] == word for entry in own) for word in ENDS]
+        missed = [abs(e["figures"]["residual"]) for e in own if "residual" in e["figures"]]
+        rows.append([module, len(own), *ended, 100 * max(missed) if missed else "–"])
+    return Table("Cases", ("case", "tests", *ENDS, "largest energy residual (%)"), rows)
 
 
 def sentences(shown: list[Shown]) -> list[str]:
@@ -76,9 +88,10 @@ def main(snakemake: stage.Snakemake) -> None:
             )
             drawings.append(draw(folder, "stability_map", caption, figure))
     table = case_table(shown)
-    page = render_study("Hard cases", LEAD, sentences(shown), drawings, [table])
-    write_text(page, Path(str(snakemake.output.page)))
-    write_text(as_markdown(table) + "\n", Path(str(snakemake.output.table)))
+    out = snakemake.output
+    study = Study("Hard cases", LEAD, sentences(shown), drawings, [summary(shown)], (), [table])
+    write_study(study, Path(out.page), Path(out.digest), keys="")
+    write_text(as_markdown(table) + "\n", Path(out.table))
     for entry in shown:
         if entry["outcome"] == "failed":
             logging.error("%s: %s failed", entry["module"], entry["test"])

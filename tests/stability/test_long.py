@@ -18,12 +18,21 @@ from mpi4py import MPI
 from packs import neighbours
 from rafts import lattice, uniform
 from remesh_cases import coast_case, jiggled, remapped, spacing_of, totals
+from test_preprocess_packing import coastline
 from watch import default_step, watch
 
 from floeflow.dynamics.bondtable import Arrays
 from floeflow.dynamics.engine import Engine, EngineParams, Forcing
+from floeflow.postprocess.grid import gridded_fields, hat_reach, sea_room
+from floeflow.postprocess.remap import Grid
 
 CORIOLIS = 1.4e-4
+# Of the gridded file: what is mapped, of which amount of the state, and its name in totals.
+TOTALS = (
+    ("siconc", "ice_fraction", "siarea"),
+    ("sivol", "ice_volume", "sivolume"),
+    ("sisnthick", "snow_volume", "sisnvolume"),
+)
 LAWS = EngineParams(time_step=1.0, bonds=True, coriolis=True, compressive_strength=1e8)
 
 
@@ -81,9 +90,34 @@ def test_remaps_one_after_the_other(times: int, record):
     last = totals(state)
     lost = max(abs(last[name] - first[name]) / max(abs(first[name]), 1e-300) for name in first)
     record(remaps=times, largest_change_of_a_total=lost, elements=len(state["id"]))
-    assert lost < times * 1e-12
+    assert lost < 1e-12
     # Averages of averages never overstep what they came from.
     assert low * (1 + 1e-9) <= speeds(state).min() and speeds(state).max() <= high * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("times", [50, pytest.param(1000, marks=pytest.mark.slow)])
+def test_transfers_to_the_grid_one_after_the_other(times: int, record):
+    """Elements drift at random and go to the grid, over and over: each map has all of the ice."""
+    state, cells = coast_case()
+    # Half as much ice: so it has room in the sea of every cell, wherever it drifts.
+    state = state.assign(area=0.5 * state["area"])
+    mask = coastline()
+    grid = Grid(*(mask[axis].values.reshape(-1, 2).mean(axis=1) for axis in ("x", "y")))
+    room = sea_room(mask, grid, hat_reach(state, grid))
+    worst, outside = 0.0, 0.0
+    for k in range(times):
+        state = jiggled(state, 0.05 * spacing_of(cells), seed=k)
+        fields = gridded_fields(state, room)
+        for name, own, said in TOTALS:
+            per_cell = np.nan_to_num(fields[name]) * room.area
+            if name == "sisnthick":
+                per_cell = per_cell * np.nan_to_num(fields["siconc"])
+            away = float(fields[f"{said}_outside"])
+            whole = float(state["area"].values @ state[own].values.sum(axis=1))
+            worst = max(worst, abs(float(per_cell.sum()) + away - whole) / whole)
+            outside = max(outside, away / whole)
+    record(transfers=times, largest_change_of_a_total=worst, largest_share_off_the_grid=outside)
+    assert worst < 1e-12
 
 
 def speeds(state: xr.Dataset) -> np.ndarray:
@@ -96,11 +130,12 @@ def speeds(state: xr.Dataset) -> np.ndarray:
 def test_angles_of_many_turns_change_nothing(log: Path, turns: float, record):
     """All discs have turned many times: bonds lie in the discs and must not feel it."""
     found = []
+    # One step for both: of another in its last digit there might be one more in the same time.
+    params = default_step(*moving_raft(), LAWS, 0.8)
     for start in (0.0, turns):
         ice, _ = moving_raft()
         ice["theta"][:] = 2.0 * np.pi * start
         bonds = neighbours(ice)
-        params = default_step(ice, bonds, LAWS, 0.8)
         calm = uniform((0.0, 0.0), (0.0, 0.0), CORIOLIS)
         found.append(watch(log, ice, params, 1000 * params.time_step, bonds, forcing=calm).elements)
     away = max(float(np.abs(found[1][name] - found[0][name]).max()) for name in "xy")

@@ -39,6 +39,8 @@ def test_ice_that_melts_out_keeps_a_mass():
     arrays = element_arrays(state, 1e-3)
     assert arrays["mass"] == pytest.approx(state["area"].values * ICE_DENSITY * 1e-3)
     assert (arrays["thickness"] == 1e-3).all()
+    # And the drag that goes with it, or nothing would ever stop what is left.
+    assert arrays["ice_area"] == pytest.approx(state["area"].values, rel=1e-14)
 
 
 def test_coast_is_as_thick_as_the_thickest_ice_and_feels_no_drag():

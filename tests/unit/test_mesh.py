@@ -13,14 +13,9 @@ from synthetic import make_run
 
 from floeflow.errors import FloeError
 from floeflow.postprocess import mesh
-from floeflow.postprocess.mesh import (
-    DISC_CORNERS,
-    body_outlines,
-    carried_outlines,
-    cell_fields,
-    write_meshes,
-)
+from floeflow.postprocess.mesh import cell_fields, write_meshes
 from floeflow.postprocess.meshes import write_polygons, write_series
+from floeflow.postprocess.outlines import DISC_CORNERS, body_outlines, carried_outlines
 from floeflow.state import read_dataset, read_state
 
 

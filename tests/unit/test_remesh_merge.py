@@ -12,9 +12,10 @@ from mpi4py import MPI
 from rafts import angular_momentum
 from remesh_cases import coast_case, scales, totals
 
-from floeflow.dynamics.elements import element_arrays, pair_arrays
+from floeflow.dynamics.elements import element_arrays, joint_thickness, pair_arrays
 from floeflow.dynamics.engine import Engine, EngineParams
 from floeflow.dynamics.remesh.merge import merge, merge_targets
+from floeflow.dynamics.ridging import contact_share
 from floeflow.state.schema import MOBILE, check_state
 
 SHARE = 0.9
@@ -105,7 +106,7 @@ def test_nothing_pushes_that_did_not_before(merged: xr.Dataset, tmp_path: Path) 
     assert speed.max() < 1e-9
 
 
-def test_contacts_keep_their_elastic_overlap() -> None:
+def test_contacts_keep_their_force() -> None:
     state = coast_case("merge")[0]
     mobile = np.flatnonzero(state["type"].values == MOBILE)
     pairs = np.stack([state["bond_id_lo"], state["bond_id_hi"]], axis=1)[:40]
@@ -118,8 +119,9 @@ def test_contacts_keep_their_elastic_overlap() -> None:
         .isel(bond=slice(0, 0))
         .drop_vars([n for n in state if state[n].dims == ("contact",)])
     )
+    pressed = 7.0 / contact_share({"thickness": joint_thickness(state)}, *rows.T)
     made = {"id_lo": pairs[:, 0], "id_hi": pairs[:, 1], "slip": np.full(len(pairs), 0.1),
-            "rest_overlap": overlap - 7.0, "ridge_closing": np.full(len(pairs), 30.0),
+            "rest_overlap": overlap - pressed, "ridge_closing": np.full(len(pairs), 30.0),
             "ridge_thickness": np.ones(len(pairs)),
             "ridge_length": np.full(len(pairs), 2e4)}  # fmt: skip
     for name, values in made.items():
@@ -139,4 +141,5 @@ def test_contacts_keep_their_elastic_overlap() -> None:
     elastic = after["radius"].values[a] + after["radius"].values[b] - apart
     elastic -= after["contact_rest_overlap"].values[ridged]
     assert ridged.sum() > 15
-    np.testing.assert_allclose(elastic, 7.0, rtol=1e-6)
+    share = contact_share({"thickness": joint_thickness(after)}, a, b)
+    np.testing.assert_allclose(elastic * share, 7.0, rtol=1e-6)

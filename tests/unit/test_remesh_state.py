@@ -10,11 +10,13 @@ import xarray as xr
 from remesh_cases import coast_case, jiggled, remapped, scales, spacing_of, totals
 
 from floeflow.config import parse_scene
+from floeflow.dynamics.elements import joint_thickness
 from floeflow.dynamics.remesh.cells import Cells
 from floeflow.dynamics.remesh.outline import cut
 from floeflow.dynamics.remesh.remap import lay, overlapping, remap
 from floeflow.dynamics.remesh.rule import cure
 from floeflow.dynamics.remesh.tables import overlapping_discs
+from floeflow.dynamics.ridging import contact_share
 from floeflow.state.schema import COAST, MOBILE, check_state
 
 
@@ -124,8 +126,10 @@ def test_ridged_contacts_go_on(case: tuple) -> None:
     gap = state["radius"].values[rows].sum(axis=1) - np.hypot(
         *(place[rows[:, 1]] - place[rows[:, 0]]).T
     )
+    # The same force per contact length: overlap times the share of its stiffness, over the length.
+    push = 5e-4 * 2e4 / contact_share({"thickness": joint_thickness(state)}, *rows.T)
     made = {"id_lo": pairs[:, 0], "id_hi": pairs[:, 1], "slip": np.zeros(len(pairs)),
-            "rest_overlap": gap - 5.0, "ridge_closing": np.full(len(pairs), 30.0),
+            "rest_overlap": gap - push, "ridge_closing": np.full(len(pairs), 30.0),
             "ridge_thickness": np.full(len(pairs), 1.7),
             "ridge_length": np.full(len(pairs), 2e4)}  # fmt: skip
     touching = bare.drop_vars([n for n in bare if bare[n].dims == ("contact",)])
@@ -143,7 +147,9 @@ def test_ridged_contacts_go_on(case: tuple) -> None:
     apart = np.hypot(*(after[a].values[rows[1]] - after[a].values[rows[0]] for a in ("x", "y")))
     reach = after["radius"].values[rows[0]] + after["radius"].values[rows[1]]
     elastic = reach - apart - after["contact_rest_overlap"].values[pressed]
-    np.testing.assert_allclose(elastic, 5.0, rtol=1e-6)
+    share = contact_share({"thickness": joint_thickness(after)}, *rows)
+    length = after["contact_ridge_length"].values[pressed]
+    np.testing.assert_allclose(elastic * share / length, 5e-4, rtol=1e-5)
     assert remapped(bare, cells).sizes["contact"] == 0
 
 

@@ -32,7 +32,7 @@ from floeflow.studies.knobs import knobs
 from floeflow.studies.measures import KEPT, NORMS
 from floeflow.studies.nested import read_outcome
 from floeflow.studies.orders import observed_order, with_tail
-from floeflow.studies.page import as_markdown, render_study
+from floeflow.studies.page import Study, as_markdown, render_study
 from floeflow.studies.plans import STUDIES, study_variants
 from floeflow.studies.recommend import most_accurate, recommend, settings
 from floeflow.studies.share import link_shared, shared_files
@@ -261,7 +261,7 @@ def test_the_ablation_lays_measured_beside_estimated():
     table = as_markdown(effect_table(study))
     assert table.index("ocean_drag") < table.index("wind") < table.index("tilt")
     assert "it flew away" in table
-    page = render_study("<A>", "lead", sentences(study, scene), [], [effect_table(study)])
+    page = render_study(Study("<A>", "lead", sentences(study, scene), [], [effect_table(study)]))
     assert "&lt;A&gt;" in page and "nan" not in page
     axes = ablation_figure(study).axes
     assert [t.get_text() for t in axes[0].get_yticklabels()][-1] == "ocean_drag"

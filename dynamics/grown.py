@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Contacts of ice that has grown since it was pressed: new ice is not under stress.
+
+The stiffness of a contact is that of the ice on both sides. Ice that freezes to the underside of
+pressed elements is as long as they are then: it adds stiffness, but no force. Were the overlap left
+as it is, a night's growth of thin ice would multiply forces and elastic energy, out of nothing.
+What melts takes its share of the force with it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from floeflow.dynamics.bondtable import element_rows
+from floeflow.dynamics.elements import element_arrays, pair_arrays
+from floeflow.dynamics.ridging import contact_share
+from floeflow.dynamics.walls import distances
+
+
+def keep_forces(
+    before: xr.Dataset, after: xr.Dataset, minimum_thickness: float, time: float
+) -> xr.Dataset:
+    """Let contacts whose stiffness has grown push no harder than before.
+
+    Parameters
+    ----------
+    before, after : xarray.Dataset
+        State before and after the column, which moves no element and changes no pair.
+    minimum_thickness : float
+        As in `element_arrays`, m.
+    time : float
+        At which walls, if there are any, are where they are, s.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``after`` with other rest overlaps and slips of contacts and wall contacts.
+    """
+    old, new = (element_arrays(state, minimum_thickness) for state in (before, after))
+    lo, hi = (element_rows(old["id"], after[f"contact_id_{end}"].values) for end in ("lo", "hi"))
+    apart = np.hypot(old["x"][hi] - old["x"][lo], old["y"][hi] - old["y"][lo])
+    overlap = old["radius"][lo] + old["radius"][hi] - apart
+    softer = contact_share(old, lo, hi) / contact_share(new, lo, hi)
+    eased = _eased(after, "contact", overlap, softer)
+    if "wall_contact_id" not in after:
+        return eased
+    contacts, faces = (pair_arrays(after, f"wall_{kind}") for kind in ("contact", "face"))
+    row = element_rows(old["id"], contacts["id"])
+    face = {name: values[contacts["face"]] for name, values in faces.items()}
+    overlap = old["radius"][row] - distances(face, old["x"][row], old["y"][row], time)
+    return _eased(eased, "wall_contact", overlap, old["thickness"][row] / new["thickness"][row])
+
+
+def _eased(state: xr.Dataset, kind: str, overlap: np.ndarray, softer: np.ndarray) -> xr.Dataset:
+    """State with rest overlaps and slips of the contacts that are pressed and have stiffened."""
+    rest, slip = (state[f"{kind}_{name}"].values for name in ("rest_overlap", "slip"))
+    elastic = overlap - rest
+    less = np.where(elastic > 0, np.minimum(softer, 1.0), 1.0)
+    # Where nothing has grown, nothing changes, not even by a round-off.
+    moved = np.where(less < 1.0, overlap - elastic * less, rest)
+    return state.assign(
+        {f"{kind}_rest_overlap": (kind, moved), f"{kind}_slip": (kind, slip * less)}
+    )

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Hard case 4: ten days of a wind of 20 m/s against a coast, with what windows do at their ends.
+
+Within a window ridging moves rest overlaps; at its end the areas close, discs shrink, are merged or
+replaced, and contacts and ridges must go on with the forces that they had: what is wrong by a
+little adds up over forty windows, and a pack under full load would jump at each. What must hold:
+finite, nothing lost, volume and sea to 1e-12, energy of each window accounted for, speeds below
+what the wind gives, overlaps within what the ridging force takes, and where elements are merged or
+replaced a time step that does not run away.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import jam
+import numpy as np
+import pytest
+from jam import Pressed, Setting
+
+# Light ice that is hit by heavy ice leaves with at most twice its speed.
+HIT = 2.0
+
+
+def hold(at: Setting, seen: Pressed, record) -> None:
+    """All that must hold of a jam."""
+    energy = seen.energy()
+    worst = float(energy.relative.max())
+    whole = abs(energy.residual.sum()) / energy.scale.sum()
+    record(
+        hours=len(seen.series) * jam.WINDOW / jam.HOUR,
+        elements=int(seen.state.sizes["element"]),
+        largest_speed=seen.largest("largest_speed"),
+        speed_over_free_drift=seen.largest("largest_speed") / jam.free_drift(at),
+        overlap_over_bound=max(seen.overlap),
+        ridged_share=seen.total("ridged_area") / float(at.state["area"].sum()),
+        volume_error=seen.volume_error,
+        sea_error=seen.sea_error,
+        least_step=min(seen.steps) / seen.steps[0],
+        residual=whole,
+        residual_of_the_worst_window=worst,
+    )
+    assert seen.volume_error < 1e-12
+    assert seen.sea_error < 1e-12
+    assert seen.largest("largest_speed") < HIT * jam.free_drift(at)
+    assert max(seen.overlap) <= 1.02
+    assert worst < 0.02
+    # Without a cure discs shrink as they ridge, and with them the step.
+    assert min(seen.steps) > 0.5 * seen.steps[0] or at.cure == "none"
+    # It was pressed: ice went into ridges and against the coast.
+    assert seen.total("ridged_area") > 0.0
+    assert seen.total("impulse_coast_x") > 0.0
+
+
+@pytest.mark.parametrize("cure", jam.CURES)
+@pytest.mark.parametrize(
+    ("windows", "elements"),
+    [(4, 80), pytest.param(40, 300, marks=pytest.mark.slow)],
+    ids=["a day", "10 days"],
+)
+def test_windows_of_a_pack_pressed_against_a_coast(
+    tmp_path: Path, cure: str, windows: int, elements: int, record
+):
+    """Into a bay, with no cure, with remap after every window, with merge."""
+    at = jam.setting(cure, elements)
+    seen = jam.press(at, windows, tmp_path / "log")
+    hold(at, seen, record)
+    if cure == "remap":
+        assert seen.total("remap_done") == windows
+
+
+@pytest.mark.parametrize("cure", ["none", "remap"])
+def test_windows_of_a_pack_pressed_into_a_corner(tmp_path: Path, cure: str, record):
+    at = jam.setting(cure, 80, (-jam.WIND / np.sqrt(2.0), -jam.WIND / np.sqrt(2.0)))
+    hold(at, jam.press(at, 4, tmp_path / "log"), record)
