@@ -124,16 +124,17 @@ def element_kinds(elements: Arrays) -> Kinds:
     """Each element on its own where there are few, else classes of like radius and thickness."""
     inverse = np.where(np.asarray(elements["type"]) == FIXED, 0.0, 1.0 / elements["mass"])
     radius, thickness = (np.asarray(elements[name], float) for name in ("radius", "thickness"))
-    keys = np.column_stack([radius, thickness, inverse])
+    of, n = np.arange(len(radius)), len(radius)
     width = WIDTH
-    first, of = np.unique(keys, axis=0, return_inverse=True)
-    while len(first) > MOST:
-        size = np.column_stack([radius, np.maximum(thickness, 1e-12)])
-        classes = np.floor(np.log(size) / np.log1p(width)).astype(int)
-        classes = np.column_stack([classes, inverse > 0.0])
-        first, of = np.unique(classes, axis=0, return_inverse=True)
+    while n > MOST:
+        r, h = (
+            np.floor(np.log(v) / np.log1p(width)) for v in (radius, np.maximum(thickness, 1e-12))
+        )
+        r, h = (1 + (v - v.min()).astype(np.int64) for v in (r, h))
+        key = (r * (h.max() + 1) + h) * np.where(inverse > 0.0, 1, -1)
+        _, of = np.unique(key, return_inverse=True)
+        n = int(of.max()) + 1
         width *= 2.0
-    of, n = of.ravel(), len(first)
     smallest, inverses = np.full(n, np.inf), np.full(n, np.inf)
     largest, thickest = np.zeros(n), np.zeros(n)
     for out, values in ((smallest, radius), (inverses, inverse)):

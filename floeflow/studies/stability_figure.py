@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -25,36 +26,41 @@ def stability_map(
     Parameters
     ----------
     panels : sequence of mapping
-        `title` and `lines`: name of the pack, modulus (Pa) and a share for each damping.
+        `title` and `lines`: name of the pack, modulus (Pa; two, a hundredfold apart) and a share
+        for each damping.
     dampings : sequence of float
         Over critical damping.
     default : float
         Default step over the critical one.
     """
     figure, rows = plt.subplots(
-        1, len(panels), figsize=(4.6 * len(panels), 5.0), layout="constrained", squeeze=False
+        1, len(panels), figsize=(4.4 * len(panels), 5.2), layout="constrained", squeeze=False
     )
+    names = list(dict.fromkeys(line[0] for panel in panels for line in panel["lines"]))
+    handles: dict[str, Artist] = {}
     for axes, panel in zip(rows[0], panels, strict=True):
-        _panel(axes, panel["lines"], default)
+        _panel(axes, panel["lines"], names, default)
         axes.set_title(panel["title"])
         axes.set_xticks(range(len(dampings)), [f"{damping:g}" for damping in dampings])
         axes.set_xlabel("damping / critical damping")
-        handles, labels = axes.get_legend_handles_labels()
-        axes.legend(
-            *(handles, labels),
-            loc="upper center",
-            bbox_to_anchor=(0.5, -0.16),
-            ncols=2,
-            fontsize=7.5,
-            frameon=False,
-            handlelength=3.2,
-        )
+        found, labels = axes.get_legend_handles_labels()
+        handles |= dict(zip(labels, found, strict=True))
     rows[0][0].set_ylabel("largest stable step / critical step")
+    figure.legend(
+        *(handles.values(), handles.keys()),
+        loc="outside lower center",
+        ncols=3,
+        fontsize=8,
+        frameon=False,
+        handlelength=3.2,
+    )
     return figure
 
 
-def _panel(axes: Axes, lines: Sequence[Sequence[Any]], default: float) -> None:
-    names = list(dict.fromkeys(name for name, _, _ in lines))
+def _panel(
+    axes: Axes, lines: Sequence[Sequence[Any]], names: Sequence[str], default: float
+) -> None:
+    """Lines of the stiffest packs; softer ones as open marks, which lie on them or do not."""
     stiffest = max(modulus for _, modulus, _ in lines)
     for name, modulus, shares in lines:
         k, stiff = names.index(name), modulus == stiffest
@@ -67,8 +73,11 @@ def _panel(axes: Axes, lines: Sequence[Sequence[Any]], default: float) -> None:
             linewidth=1.2,
             markersize=5 if stiff else 9,
             markerfacecolor=None if stiff else "none",
-            label=f"{name}, {modulus:.0e} Pa",
+            label=name if stiff else f"_{name}",
         )
+    axes.plot(
+        [], [], "ko", markersize=9, markerfacecolor="none", label="open: a hundredth as stiff"
+    )
     axes.axhspan(1.0, default / AIM, color="0.88", zorder=0, label="default is 60 % of it or more")
     axes.axhline(1.0, color="black", linewidth=1.0, label="critical step")
     axes.axhline(default, color="black", linewidth=2.0, linestyle=(0, (2, 1)), label="default step")

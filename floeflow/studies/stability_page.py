@@ -56,12 +56,11 @@ def sentences(shown: list[Shown]) -> list[str]:
         ("default_over_largest", "bonded packs"),
         ("unbonded_default_over_largest", "packs that contacts alone hold"),
     ):
-        shares = [100.0 * e["figures"][name] for e in shown if name in e["figures"]]
+        shares = [round(100.0 * e["figures"][name]) for e in shown if name in e["figures"]]
         if shares:
-            out.append(
-                f"The default step is {min(shares):.0f} to {max(shares):.0f} % of the largest "
-                f"stable one in {packs}."
-            )
+            least, most = min(shares), max(shares)
+            said = f"{most}" if least == most else f"{least} to {most}"
+            out.append(f"The default step is {said} % of the largest stable one in {packs}.")
     return out
 
 
