@@ -9,9 +9,10 @@ MAKEFLAGS += --no-print-directory
 
 SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
+FUZZ_SECONDS ?= 300
 export PYTHON LIGGGHTS_ROOT NO_APT
 
-.PHONY: help setup run test verification stability lint bench-dem bench-column bench-remap bench-plan bench studies doctor test-fresh lock clean
+.PHONY: help setup run test verification stability fuzz lint bench-dem bench-column bench-remap bench-plan bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -32,6 +33,10 @@ verification: setup ## compare with theory and references at length, draw docs/i
 
 stability: setup ## run the hard cases at length: results/stability/stability.html
 	.venv/bin/snakemake --profile workflows/profiles/local --keep-going -- stability
+
+fuzz: setup ## fuzz the reader of states for FUZZ_SECONDS=300, what breaks it lands in results/fuzz
+	@for target in bytes fields; do .venv/bin/python tests/stability/fuzz_state.py $$target \
+	    results/fuzz -max_total_time=$$(( $(FUZZ_SECONDS) / 2 )) -timeout=60; done
 
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh

@@ -19,7 +19,7 @@ from mpi4py import MPI
 from floeflow.dynamics.bondtable import Arrays, new_bonds
 from floeflow.dynamics.engine import Engine, EngineParams
 from floeflow.dynamics.enginesetup import PLANE
-from floeflow.dynamics.pluginlib import load_plugin, quiet_errors
+from floeflow.dynamics.pluginlib import load_plugin, open_liggghts
 from floeflow.errors import FloeError
 
 RADIUS, THICKNESS, DENSITY = 1000.0, 1.0, 917.0  # m, m, kg/m3
@@ -137,14 +137,8 @@ class Stock:
         if self._comm.rank == 0:
             _write_data(data, self._elements)
         self._comm.barrier()
-        words = ["liggghts", "-screen", "none", "-log", str(self._folder / "log.stock")]
-        arguments = (ctypes.c_char_p * len(words))(*(word.encode() for word in words))
-        handle = ctypes.c_void_p(MPI._addressof(self._comm))
-        with quiet_errors():
-            failed = self._library.floe_open(
-                len(words), arguments, handle, ctypes.byref(self._instance)
-            )
-        self._check(failed)
+        log = self._folder / "log.stock"
+        self._check(open_liggghts(self._library, self._instance, self._comm, log))
         for line in _stock_commands(data, self._elements):
             self._command(line)
         return self

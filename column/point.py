@@ -175,8 +175,8 @@ def read_point(
     path: str | Path,
     settings: Settings,
     constant: dict[str, float],
-    place: tuple[float, float] | None = None,
-    accumulation: str = "",
+    place: tuple[float, float] | None,
+    accumulation: str,
 ) -> PointForcing:
     """Read what a column needs.
 
@@ -189,7 +189,7 @@ def read_point(
     constant : dict of float
         Values for what the file may lack: ``ocean_heat_flux``, ``friction_velocity``,
         ``air_pressure``.
-    place : tuple of float, optional
+    place : tuple of float or None
         Longitude and latitude (degrees), on a grid.
     accumulation : str
         As `forcing.accumulation` of scenes.

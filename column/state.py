@@ -98,8 +98,6 @@ class ColumnFluxes:
     energy_to_ocean : ndarray
         Heat that found nothing to melt, handed back to the ocean; negative where the sea pays
         for snow that lost its ice (J/m2), (n,).
-    evaporation : ndarray
-        Vapour from ice, snow and leads (kg/m2); negative: condensation, (n,).
     growth_base, new_ice : ndarray
         Ice grown at the bottom, ice born in open water (m), (n, ncat).
     melt_top, melt_base, melt_lateral : ndarray
@@ -117,7 +115,6 @@ class ColumnFluxes:
     energy_ocean: Array
     energy_snowfall: Array
     energy_to_ocean: Array
-    evaporation: Array
     growth_base: Array
     new_ice: Array
     melt_top: Array

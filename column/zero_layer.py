@@ -35,7 +35,6 @@ class _Vertical:
     snowfall: Array
     snow_melt: Array
     energy: Array  # from the atmosphere
-    vapour: Array  # kg/m2
     spare: Array  # found no ice to melt
 
 
@@ -101,7 +100,7 @@ def step_with_sea(
     to_sea = (vertical.spare - params.snow_energy * drowned).sum(axis=1)
 
     lead = surface_fluxes(water_temperature[:, None], forcing, params.albedo_ocean, False, params)
-    lead_net, lead_vapour = lead.net[:, 0], lead.vapour[:, 0]
+    lead_net = lead.net[:, 0]
     lead_heat = (lead_net - params.latent_fusion * forcing.snowfall) * open_water * dt
     if sea is None:
         lead_heat = lead_heat + forcing.ocean_heat_flux * open_water * dt
@@ -136,7 +135,6 @@ def step_with_sea(
         energy_ocean=deep,
         energy_snowfall=-params.latent_fusion * forcing.snowfall * seconds,
         energy_to_ocean=to_sea,
-        evaporation=vertical.vapour.sum(axis=1) + lead_vapour * open_water * dt,
         growth_base=vertical.growth_base,
         new_ice=new_ice,
         melt_top=vertical.melt_top,
@@ -228,7 +226,6 @@ def _top_and_bottom(
         snowfall=snowfall,
         snow_melt=snow_melt,
         energy=flux.net * dt * area + params.latent_fusion * vapour,
-        vapour=vapour,
         spare=spare,
     )
 

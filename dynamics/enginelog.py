@@ -6,10 +6,10 @@ from __future__ import annotations
 from pathlib import Path
 
 
-def log_tail(log: Path, lines: int = 5) -> str:
-    """Last lines of a log, to stand behind a sentence; empty where there is none."""
+def log_tail(log: Path) -> str:
+    """Last five lines of a log, to stand behind a sentence; empty where there is none."""
     try:
-        tail = log.read_text(errors="replace").splitlines()[-lines:]
+        tail = log.read_text(errors="replace").splitlines()[-5:]
     except OSError:
         return ""
     return "".join(f"\n  {line}" for line in [f"(tail of {log})", *tail])

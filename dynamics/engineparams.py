@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
 from floeflow.dynamics.bondtable import CONTACT_COLUMNS, RIDGE_COLUMNS
 from floeflow.errors import FloeError
 
@@ -76,8 +77,8 @@ class EngineParams:
     ridge_force: float = 26126.0
     ridge_hardening: float = 928.0
     ridge_thickness: float = 0.3
-    wind_stress_factor: float = 1.3 * 1.2e-3
-    ocean_stress_factor: float = 1026.0 * 5.5e-3
+    wind_stress_factor: float = AIR_DENSITY * 1.2e-3
+    ocean_stress_factor: float = SEAWATER_DENSITY * 5.5e-3
     turning_angle: float = 0.0
     relative_wind: bool = False
     deterministic: bool = False

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -246,13 +247,7 @@ def _still(scene: Scene, state: xr.Dataset) -> Motion:
         names += [f"wall_force_{name}_{axis}" for name in scene.walls.names for axis in "xy"]
     moments = np.linspace(0.0, scene.time.window, scene.dynamics.samples + 1)
     samples = {"time": moments.tolist()} | {name: [0.0] * len(moments) for name in names}
-    nothing = dict.fromkeys(
-        ("momentum_x", "momentum_y", *(f"impulse_{n}_{a}" for n in _IMPULSES for a in "xy")), 0.0
-    )
-    nothing |= {f"impulse_fixed_{axis}": 0.0 for axis in "xy"}
-    nothing |= {f"impulse_wall_{axis}": 0.0 for axis in "xy"} | {"work_wall": 0.0}
-    nothing |= {f"work_{name}": 0.0 for name in _IMPULSES}
-    nothing |= {f"dissipation_{name}": 0.0 for name in _LOSSES}
+    nothing: dict[str, float] = defaultdict(float)
     budget = _budget(scene, nothing, nothing)
     if "ridging" in scene.effects:
         budget["ridged_area"] = 0.0

@@ -13,6 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from floeflow.dynamics.bondtable import Arrays, element_rows, line_length
+from floeflow.dynamics.contactroom import contact_room
 from floeflow.dynamics.engineparams import FIXED, EngineParams
 
 # A disc's inertia for rotation times radius, over its mass.
@@ -37,8 +38,8 @@ def pack_stiffness(elements: Arrays, bonds: Arrays | None, params: EngineParams)
     """Stiffness and damping of a pack.
 
     Bonds are there as a network, whole where they are cracked. Contacts are not known beforehand:
-    as many as find room around an element, with the thickest ice, stand on the diagonal with twice
-    their stiffness, since (a - b)^2 <= 2 a^2 + 2 b^2 for any motion of two elements.
+    the most that finds room around an element beside its bonds stands on the diagonal
+    (`contactroom.py`).
 
     Parameters
     ----------
@@ -59,8 +60,8 @@ def pack_stiffness(elements: Arrays, bonds: Arrays | None, params: EngineParams)
         modes, spring, viscous = _bond_modes(elements, bonds, params, *rows)
         stiffness = (modes.T @ sp.diags_array(spring) @ modes).tocsr()
         damping = (modes.T @ sp.diags_array(viscous) @ modes).tocsr()
-    count = np.maximum(_room(elements) - neighbours, 0.0)
-    spring, viscous = _contact_diagonals(elements, params, count)
+    free = np.maximum(1.0 - neighbours / _room(elements), 0.0)
+    spring, viscous = _contact_diagonals(elements, params, free)
     return Stiffness(
         (stiffness + sp.diags_array(spring)).tocsr(), (damping + sp.diags_array(viscous)).tocsr()
     )
@@ -128,20 +129,21 @@ def _room(elements: Arrays) -> np.ndarray:
 
 
 def _contact_diagonals(
-    elements: Arrays, params: EngineParams, count: np.ndarray
+    elements: Arrays, params: EngineParams, free: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Scaled stiffness and damping of `count` contacts around each element, shapes (3 n,)."""
-    thickest = elements["thickness"].max()
-    h = elements["thickness"]
-    with np.errstate(invalid="ignore"):
-        k = params.contact_modulus * np.where(h > 0, h * thickest / (h + thickest), 0.0)
+    """Scaled stiffness and damping of contacts in the free share of the room, shapes (3 n,).
+
+    All around an element half of the normal and half of the tangential springs act along any
+    direction; of two opposite ones all of the normal springs may.
+    """
+    room = contact_room(elements, params)
     ratio = params.contact_shear_ratio if params.friction else 0.0
-    # A partner of the same or larger mass: the reduced mass is at most the element's own.
-    c = 2.0 * params.contact_damping * np.sqrt(k * elements["mass"])
-    square = _roots(elements) ** 2
     out = []
-    for value, share in ((k, ratio), (c, np.sqrt(ratio))):
-        along = count * (1.0 + share) * value
-        turning = 2.0 * count * share * value
-        out.append((np.stack([along, along, turning], axis=1) * square).ravel())
+    for total, one, share in (
+        (room.stiffness, room.stiffest, ratio),
+        (room.damping, room.most_damped, np.sqrt(ratio)),
+    ):
+        along = np.maximum(free * 0.5 * (1.0 + share) * total, np.where(free > 0.0, 2.0 * one, 0.0))
+        turning = free * share * total / SPIN_INERTIA
+        out.append(np.stack([along, along, turning], axis=1).ravel())
     return out[0], out[1]

@@ -33,7 +33,6 @@ class Snakemake(Protocol):
     config: Any
     wildcards: Any
     threads: int
-    resources: Any
 
 
 def run(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:

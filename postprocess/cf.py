@@ -57,6 +57,13 @@ DESCRIPTIONS = {
     ),
 }
 
+HISTORY = {
+    "conservative": "conservative remapping from elements to the grid",
+    "mls": "moving least squares from elements to the grid, totals not kept",
+    "shepard": "Shepard's average from elements to the grid, totals not kept",
+    "nearest": "nearest element to the grid, totals not kept",
+}
+
 
 def describe(
     scene: Scene, state: xr.Dataset, fields: dict[str, Array], areas: tuple[Array, Array]
@@ -107,7 +114,7 @@ def describe(
         "title": f"Sea ice of scene {scene.name} at window boundary {state.attrs['window']}",
         "source": f"FloeFlow {__version__}, sea-ice discrete element model",
         "effects": " ".join(scene.effects),
-        "history": "conservative remapping from elements to the grid (floeflow.postprocess.grid)",
+        "history": f"{HISTORY[scene.grid.transfer]} (floeflow.postprocess.grid)",
     }
     for name in map(str, data.variables):
         filled = name in DESCRIPTIONS
@@ -172,8 +179,8 @@ def _add_method(data: xr.Dataset, fields: dict[str, Array]) -> None:
     data["remap_method"] = (("y", "x"), fields["remap_method"])
     data["remap_method"].attrs = {
         "long_name": "how the ice's properties were averaged",
-        "flag_values": np.array([0, 1, 2], np.int8),
-        "flag_meanings": "none shepard moving_least_squares",
+        "flag_values": np.array([0, 1, 2, 4], np.int8),
+        "flag_meanings": "none shepard moving_least_squares nearest_element",
         "grid_mapping": "crs",
     }
     for name, units, what in (

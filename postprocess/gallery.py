@@ -26,7 +26,7 @@ from floeflow.postprocess.figures.budgets import budget_figure
 from floeflow.postprocess.figures.cost import cost_figure
 from floeflow.postprocess.figures.frame import Frame
 from floeflow.postprocess.figures.gridmaps import FIELDS, field_values, grid_map
-from floeflow.postprocess.figures.maps import element_map, element_shapes, element_values
+from floeflow.postprocess.figures.maps import Shapes, element_map, element_shapes, element_values
 from floeflow.postprocess.figures.series import series_figures
 from floeflow.postprocess.figures.style import (
     CONCENTRATION,
@@ -129,7 +129,7 @@ def element_pictures(
             )
             caption = f"{CAPTIONS[quantity.name]}, {name} of the run."
             yield easel.picture(f"elements_{quantity.name}_{name}", caption, figure)
-    yield _displacement_picture(easel, frame, first, last, cells)
+    yield _displacement_picture(easel, frame, first, last, shapes["end"])
     if "bonds" in scene.effects:
         yield easel.picture(
             "elements_bonds",
@@ -141,7 +141,7 @@ def element_pictures(
 
 
 def _displacement_picture(
-    easel: Easel, frame: Frame, first: xr.Dataset, last: xr.Dataset, cells: xr.Dataset
+    easel: Easel, frame: Frame, first: xr.Dataset, last: xr.Dataset, shapes: Shapes
 ) -> Picture:
     moved, step = displacement(first, last)
     place = np.searchsorted(last["id"].values, moved["id"].values)
@@ -151,7 +151,7 @@ def _displacement_picture(
     figure = element_map(
         frame,
         last,
-        element_shapes(last, cells),
+        shapes,
         distance,
         DISTANCE,
         common_limits(DISTANCE, distance),

@@ -8,7 +8,9 @@ elements' totals (docs/theory/remap.md). What lies outside of the grid is writte
 
 import logging
 import math
+from functools import partial
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -30,6 +32,7 @@ from floeflow.postprocess.remap import (
     near_cells,
 )
 from floeflow.postprocess.remap.stencil import Array
+from floeflow.postprocess.remap.weights import CONDITION_LIMIT
 from floeflow.preprocess.grids import scene_grid
 from floeflow.state import read_dataset, read_state
 from floeflow.state.schema import MOBILE
@@ -43,6 +46,7 @@ AMOUNTS = (
     Field("snow_volume", "extensive", "ice_area"),
 )
 VELOCITIES = (Field("siu", "intensive", "ice_mass"), Field("siv", "intensive", "ice_mass"))
+Transfer = Literal["conservative", "mls", "shepard", "nearest"]
 RESIDUALS = {"ice_area": "siarea", "ice_volume": "sivolume", "snow_volume": "sisnvolume"}
 
 
@@ -105,8 +109,10 @@ def hat_reach(state: xr.Dataset, grid: Grid) -> int:
     return max(1, math.ceil(width - 0.25))
 
 
-def gridded_fields(state: xr.Dataset, room: Room) -> dict[str, Array]:
-    """Fields of the ice on a grid, with the totals of the elements.
+def gridded_fields(
+    state: xr.Dataset, room: Room, transfer: Transfer = "conservative"
+) -> dict[str, Array]:
+    """Fields of the ice on a grid, with the totals of the elements if conservative.
 
     Parameters
     ----------
@@ -114,6 +120,8 @@ def gridded_fields(state: xr.Dataset, room: Room) -> dict[str, Array]:
         State at a window boundary.
     room : Room
         The grid and the sea in its cells.
+    transfer : str
+        As in ``grid.transfer``: how averages are made, and whether they are moved to the totals.
 
     Returns
     -------
@@ -140,15 +148,23 @@ def gridded_fields(state: xr.Dataset, room: Room) -> dict[str, Array]:
         "snow_volume": area * np.where(fraction > 0.0, snow, 0.0),
     }
     parents = {name: values[name] for name in ("area", "ice_area")}
-    remapper = build_remapper(x, y, parents, room, radius=mobile["radius"].values)
-    carried = carry(AMOUNTS, values, remapper, near=_near(mobile, room))
+    exact = transfer == "conservative"
+    build = partial(
+        build_remapper,
+        radius=mobile["radius"].values,
+        # No condition number lies below 1: each node then gets Shepard's average.
+        condition_limit=0.0 if transfer == "shepard" else CONDITION_LIMIT,
+        nearest=transfer == "nearest",
+    )
+    remapper = build(x, y, parents, room)
+    carried = carry(AMOUNTS, values, remapper, near=_near(mobile, room), exact=exact)
     found = carried.values
     # Velocity is a property of the mass, which is known on the grid only now.
     mass = ICE_DENSITY * values["ice_volume"] + SNOW_DENSITY * values["snow_volume"]
     on_grid = ICE_DENSITY * found["ice_volume"] + SNOW_DENSITY * found["snow_volume"]
     moving = {"ice_mass": mass, "siu": mobile["u"].values, "siv": mobile["v"].values}
-    heavy = build_remapper(x, y, {"ice_mass": mass}, room, radius=mobile["radius"].values)
-    speeds = carry(VELOCITIES, moving, heavy, known={"ice_mass": on_grid})
+    heavy = build(x, y, {"ice_mass": mass}, room)
+    speeds = carry(VELOCITIES, moving, heavy, known={"ice_mass": on_grid}, exact=exact)
 
     is_sea, sea = room.area > 0.0, np.where(room.area > 0.0, room.area, 1.0)
     has_ice = is_sea & (found["ice_area"] > 0.0)
@@ -203,7 +219,8 @@ def make_grid(scene: Scene, state: xr.Dataset, mask: xr.Dataset) -> xr.Dataset:
     grid = Grid(cells.x, cells.y)
     area = cell_areas(mask, grid.shape)
     room = sea_room(mask, grid, hat_reach(state, grid))
-    return describe(scene, state, gridded_fields(state, room), (area, room.area))
+    fields = gridded_fields(state, room, scene.grid.transfer)
+    return describe(scene, state, fields, (area, room.area))
 
 
 def main(snakemake: stage.Snakemake) -> None:

@@ -19,6 +19,7 @@ from floeflow.config import Scene
 from floeflow.errors import FloeError
 from floeflow.postprocess import expense, gallery, wording
 from floeflow.postprocess.collect import read_grid
+from floeflow.postprocess.digests import read_digest
 from floeflow.postprocess.figures.frame import Frame
 from floeflow.state import read_dataset, read_state
 from floeflow.whole import write_text
@@ -46,6 +47,8 @@ class Material:
         Snakemake's benchmark files.
     estimates : mapping
         ``effects.json``: what each effect was expected to change and cost.
+    studies : sequence of mapping
+        Digests of the studies that were made for the scene as it is.
     """
 
     diagnostics: xr.Dataset
@@ -58,6 +61,7 @@ class Material:
     packing: xr.Dataset
     benchmarks: Sequence[Path]
     estimates: Mapping[str, Any]
+    studies: Sequence[Mapping[str, Any]] = ()
 
 
 def build_report(scene: Scene, material: Material, figures: Path) -> str:
@@ -116,6 +120,7 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
             "cost_bars": list(gallery.cost_pictures(easel, cost)),
             "provenance": wording.provenance(scene, last.attrs, headline),
             "states": material.numbers["states"],
+            "studies": material.studies,
         }
     )
 
@@ -166,6 +171,7 @@ def main(snakemake: stage.Snakemake) -> None:
         packing=read_dataset(given.packing),
         benchmarks=[Path(path) for path in given.benchmarks],
         estimates=json.loads(Path(given.estimates).read_text(encoding="utf-8")),
+        studies=[read_digest(Path(path)) for path in snakemake.params.studies],
     )
     page = build_report(scene, material, Path(snakemake.output.figures))
     write_text(page, Path(snakemake.output.report))

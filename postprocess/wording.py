@@ -68,13 +68,13 @@ def number(value: Any, digits: int = 4) -> str:
     return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", "−")
 
 
-def with_unit(value: float | None, units: Sequence[tuple[float, str]], digits: int = 4) -> str:
+def with_unit(value: float | None, units: Sequence[tuple[float, str]]) -> str:
     """A number in the largest unit of which it holds one."""
     if value is None or not math.isfinite(value):
         return DASH
     scale, unit = next((u for u in units if abs(value) >= u[0]), units[-1])
     times = " × " if unit.startswith("10") else " "
-    return f"{number(value / scale, digits)}{times}{unit}"
+    return f"{number(value / scale)}{times}{unit}"
 
 
 def pretty_unit(unit: str) -> str:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from floeflow import stage
 from floeflow.config.blocks import Scene
+from floeflow.constants import EARTH_ROTATION
 from floeflow.effects import forcing_variables
 from floeflow.errors import FloeError
 from floeflow.preprocess import cf, fields, interpolate, names, vectors
@@ -32,7 +33,6 @@ Index = NDArray[np.int64]
 
 log = logging.getLogger(__name__)
 
-EARTH_ROTATION = 7.292115e-5  # rad/s, WGS 84
 # Ocean values missing on land take the nearest one up to this far (m); beyond it there is none.
 OCEAN_REACH = 5.0e5
 UNITS = {

@@ -13,7 +13,8 @@ from floeflow.config import stage_hash
 from floeflow.config.blocks import Scene
 from floeflow.preprocess.walls import wall_variables
 from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
-from floeflow.state.schema import SCHEME_ATTRIBUTE, VARIABLES, expected_variables
+from floeflow.state.attributes import SCHEME_ATTRIBUTE
+from floeflow.state.schema import VARIABLES, expected_variables
 
 # Stages on which the state at the start depends.
 STAGES = ("land", "mask", "packing", "bonds", "initial")
@@ -100,7 +101,8 @@ def main(snakemake: stage.Snakemake) -> None:
     scene = stage.scene(snakemake)
     packing = read_dataset(snakemake.input.packing)
     bonds = read_dataset(snakemake.input.bonds) if "bonds" in scene.effects else None
-    write_state(make_state(scene, packing, bonds), snakemake.output.state)
+    state = make_state(scene, packing, bonds)
+    write_state(state, snakemake.output.state, scene.state.precision)
 
 
 if "snakemake" in globals():

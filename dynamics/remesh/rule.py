@@ -45,7 +45,8 @@ def cure(scene: Scene, state: xr.Dataset, cells: Cells | None) -> tuple[xr.Datas
         every = scene.remap.every
         due = every > 0 and int(state.attrs["window"]) % every == 0
         if due or overlap > scene.remap.overlap:
-            cured = remap(state, cells, laid, scene.packing.bond_gap)
+            gap, slopes = scene.packing.bond_gap, scene.remap.order == 2
+            cured = remap(state, cells, laid, gap, slopes)
     return cured, _terms(scene, state, cured, overlap)
 
 

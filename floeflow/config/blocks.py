@@ -314,6 +314,9 @@ class Remap(Block):
     """When distorted elements are replaced by fresh ones (effect remap)."""
 
     every: int = key(0, "Remap at the end of every n-th window; 0: only by overlap.", ge=0)
+    order: Literal[1, 2] = key(
+        2, "Order of the transfer: 1 donor cells, 2 limited linear slopes in the elements."
+    )
     overlap: float = key(
         0.05, "Remap where elements overlap by more than this share of their area.", "1", ge=0
     )
@@ -324,6 +327,26 @@ class Merge(Block):
 
     radius: float = key(
         0.5, "Elements of a radius under this share of the mean one are merged.", "1", gt=0, lt=1
+    )
+
+
+class State(Block):
+    """How the state is kept between windows."""
+
+    precision: Literal["double", "single"] = key(
+        "double",
+        "Precision of floating variables in state files; single: half the size, budgets close to "
+        "1e-7. Places, areas and the sea's temperature stay double.",
+    )
+
+
+class Grid(Block):
+    """How fields of the elements go to the scene grid (effect grid_output)."""
+
+    transfer: Literal["conservative", "mls", "shepard", "nearest"] = key(
+        "conservative",
+        "Moving least squares moved to the elements' totals; or, totals open: moving least "
+        "squares, Shepard's average, the nearest element.",
     )
 
 
@@ -379,6 +402,8 @@ class Scene(Block):
     column: Column = key(Column(), "Which thermodynamics.")
     remap: Remap = key(Remap(), "When elements are remapped.")
     merge: Merge = key(Merge(), "When elements are merged.")
+    state: State = key(State(), "How the state is kept.")
+    grid: Grid = key(Grid(), "How fields go to the grid.")
     report: Report = key(Report(), "Which report.")
     workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")
     _auto: bool = PrivateAttr(default=False)

@@ -169,7 +169,8 @@ _ADDED = {
 }
 
 
-def _short(names: tuple[str, ...], most: int = 9) -> list[str]:
+def _short(names: tuple[str, ...]) -> list[str]:
+    most = 9
     shown = [f"`{name}`" for name in names[:most]]
     return [*shown, f"{len(names) - most} more"] if len(names) > most else shown
 

@@ -16,23 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from floeflow.constants import AIR_DENSITY, EARTH_ROTATION, ICE_DENSITY, SEAWATER_DENSITY
+from floeflow.estimate.weather import weather, wind_and_current
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from floeflow.config import Scene
-
-WEATHER = (
-    "air_temperature",
-    "shortwave_down",
-    "longwave_down",
-    "snowfall",
-    "ocean_heat_flux",
-    "specific_humidity",
-    "air_pressure",
-)
-# Wind is sampled at so many moments; more change the means by per cents.
-MOMENTS = 5
 
 
 @dataclass(frozen=True)
@@ -55,6 +44,8 @@ class Conditions:
         Mean convergence of the wind over the ice where it converges, 1/s.
     concentration, thickness, snow : float
         Of the ice at the start; thickness and snow are means over the ice.
+    concentration_spread : float
+        Standard deviation of the concentration over the sea that has ice.
     coast_share : float
         Share of the ice within an element of land.
     element_size, fetch : float
@@ -77,6 +68,10 @@ class Conditions:
         Ice that is less dense has no bonds.
     refreeze_time, refreeze_temperature : float
         When elements in touch freeze together.
+    mixed_layer_depth, new_ice_thickness : float
+        Of the sea under an element, and of the ice that open water makes, m.
+    layered : bool
+        Whether the ice has layers: its area then shrinks as it thins.
     """
 
     seconds: float
@@ -110,6 +105,10 @@ class Conditions:
     bond_concentration: float
     refreeze_time: float
     refreeze_temperature: float
+    concentration_spread: float
+    mixed_layer_depth: float
+    new_ice_thickness: float
+    layered: bool
 
     @property
     def coriolis(self) -> float:
@@ -156,6 +155,17 @@ class Conditions:
         return min(1.0, max(0.0, (packed - 0.7) / 0.2))
 
     @property
+    def crushing(self) -> float:
+        """Compressive strength of the pack over the wind's push across it: σ_c h / (τ_a L)."""
+        push = self.wind_stress * self.fetch
+        return self.strength * self.thickness / push if push > 0 else math.inf
+
+    @property
+    def yielding(self) -> float:
+        """Share of the closing to which a jammed pack yields: what its strength leaves of it."""
+        return self.compaction * max(0.0, 1.0 - self.crushing)
+
+    @property
     def spread(self) -> float:
         """Difference of free drift speeds within the ice, m/s."""
         return self.nansen * self.wind_spread
@@ -184,7 +194,7 @@ def conditions(scene: Scene) -> Conditions:
     _, lat = to_lonlat(scene_crs(scene.domain), *grid.mesh())
     total = float(area.sum())
     weight = ice / ice.sum() if total else np.full(ice.shape, 1.0 / ice.size)
-    moving = _wind_and_current(scene, weight)
+    moving = wind_and_current(scene, weight)
     d = scene.dynamics
     size = math.sqrt(total / scene.packing.elements) if total else grid.spacing
     near_land = _near(mask["land"].values > 0, max(1, round(size / grid.spacing)))
@@ -200,7 +210,7 @@ def conditions(scene: Scene) -> Conditions:
         element_size=size,
         fetch=math.sqrt(total),
         elements=scene.packing.elements if total else 0,
-        **_weather(scene, weight),
+        **weather(scene, weight),
         air_drag=d.air_drag,
         ocean_drag=d.ocean_drag,
         turning_angle=math.radians(d.turning_angle),
@@ -210,7 +220,20 @@ def conditions(scene: Scene) -> Conditions:
         bond_concentration=scene.packing.bond_concentration,
         refreeze_time=d.refreeze_time,
         refreeze_temperature=d.refreeze_temperature,
+        concentration_spread=_spread(siconc, area),
+        mixed_layer_depth=scene.column.mixed_layer_depth,
+        new_ice_thickness=scene.column.new_ice_thickness,
+        layered=scene.column.scheme != "zero_layer",
     )
+
+
+def _spread(siconc: np.ndarray, area: np.ndarray) -> float:
+    """Standard deviation of the concentration over the sea that has ice."""
+    total = float(area.sum())
+    if not total:
+        return 0.0
+    mean = float((area * siconc).sum()) / total
+    return math.sqrt(float((area * (siconc - mean) ** 2).sum()) / total)
 
 
 def _mask(scene: Scene) -> xr.Dataset:
@@ -227,82 +250,3 @@ def _near(land: np.ndarray, reach: int) -> np.ndarray:
     from scipy.ndimage import binary_dilation
 
     return np.asarray(binary_dilation(land, iterations=reach)) if land.any() else land
-
-
-def _wind_and_current(scene: Scene, weight: np.ndarray) -> dict[str, float]:
-    from floeflow.preprocess.grids import scene_grid
-
-    spacing = scene.domain.spacing
-    if scene.forcing.source == "file":
-        fields = _file_fields(scene, ("wind_u", "wind_v", "ocean_u", "ocean_v"))
-        winds = list(zip(fields["wind_u"], fields["wind_v"], strict=True))
-        currents = list(zip(fields["ocean_u"], fields["ocean_v"], strict=True))
-    else:
-        from floeflow.preprocess.analytic import cyclone_wind, gyre_current
-        from floeflow.preprocess.grids import scene_crs, to_lonlat
-
-        x, y = scene_grid(scene.domain).mesh()
-        _, lat = to_lonlat(scene_crs(scene.domain), x, y)
-        north = float(np.mean(lat)) > 0
-        duration = scene.time.windows * scene.time.window
-        moments = np.linspace(0.0, duration, MOMENTS)
-        winds = [cyclone_wind(scene.forcing.cyclone, x, y, t, north) for t in moments]
-        currents = [gyre_current(scene.forcing.gyre, x, y)]
-        winds = [(u.reshape(weight.shape), v.reshape(weight.shape)) for u, v in winds]
-        currents = [(u.reshape(weight.shape), v.reshape(weight.shape)) for u, v in currents]
-    gradients, inflow, uneven = [], [], []
-    for u, v in winds:
-        (uy, ux), (vy, vx) = np.gradient(u, spacing), np.gradient(v, spacing)
-        gradients.append((weight * (ux**2 + uy**2 + vx**2 + vy**2)).sum())
-        mean_u, mean_v = (weight * u).sum(), (weight * v).sum()
-        uneven.append((weight * ((u - mean_u) ** 2 + (v - mean_v) ** 2)).sum())
-        inflow.append((weight * np.maximum(-(ux + vy), 0.0)).sum())
-    return {
-        "wind": _rms(winds, weight),
-        "current": _rms(currents, weight),
-        "wind_spread": math.sqrt(float(np.mean(uneven))),
-        "wind_gradient": math.sqrt(float(np.mean(gradients))),
-        "convergence": float(np.mean(inflow)),
-    }
-
-
-def _rms(pairs: list[tuple[np.ndarray, np.ndarray]], weight: np.ndarray) -> float:
-    return math.sqrt(float(np.mean([(weight * (u**2 + v**2)).sum() for u, v in pairs])))
-
-
-def _weather(scene: Scene, weight: np.ndarray) -> dict[str, float]:
-    if scene.forcing.source == "analytic":
-        from floeflow.preprocess.analytic import humidity
-
-        weather = scene.forcing.weather
-        found = {name: getattr(weather, name) for name in WEATHER if hasattr(weather, name)}
-        return {**found, "specific_humidity": humidity(weather)}
-    fields = _file_fields(scene, WEATHER)
-    return {
-        name: float(np.mean([(weight * values).sum() for values in fields[name]]))
-        for name in WEATHER
-    }
-
-
-def _file_fields(scene: Scene, names: tuple[str, ...]) -> dict[str, list[np.ndarray]]:
-    """Fields (y, x) at the start of the first, middle and last window; zeros where not in the file.
-
-    A file need not hold the weather of a scene without thermodynamics.
-    """
-    from floeflow.errors import FloeError
-    from floeflow.preprocess.forcing import make_forcing
-    from floeflow.preprocess.grids import scene_grid
-
-    last = scene.time.windows
-    windows = sorted({1, (1 + last) // 2, last})
-    shape = scene_grid(scene.domain).shape
-    found: dict[str, list[np.ndarray]] = {name: [] for name in names}
-    for effect in ("wind", "ocean_drag", "thermodynamics"):
-        asked = scene.model_copy(update={"effects": (effect,)})
-        try:
-            parts = [make_forcing(asked, scene.forcing.file, window) for window in windows]
-        except FloeError:
-            continue
-        for name in set(names) & set(map(str, parts[0].data_vars)):
-            found[name] = [part[name].values[0] for part in parts]
-    return {name: values or [np.zeros(shape)] for name, values in found.items()}

@@ -78,18 +78,18 @@ def bonded(c: Conditions, effects: Iterable[str]) -> bool:
 
 
 def critical_step(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients) -> float:
-    """Critical step of the element model (s): size over the speed of sound, times a fitted factor.
+    """Critical step of the element model (s): stiffnesses of contacts, friction and bonds add up.
 
-    Independent of thickness; the factor holds what the smallest elements take from it. Friction
-    makes contacts stiffer.
+    Each alone allows a step of size over speed of sound, times a fitted factor that holds what the
+    smallest elements take from it; squares of the rates add. Independent of thickness.
     """
-    sound = math.sqrt(scene.dynamics.contact_modulus / ICE_DENSITY)
-    factor = fit["step_friction" if "friction" in effects else "step_contacts"]
-    step = factor * c.element_size / sound
+    rates = {"step_contacts": scene.dynamics.contact_modulus}
+    if "friction" in effects:
+        rates["step_friction"] = scene.dynamics.contact_modulus
     if bonded(c, effects):
-        sound = math.sqrt(scene.dynamics.young_modulus / ICE_DENSITY)
-        step = min(step, fit["step_bonds"] * c.element_size / sound)
-    return step
+        rates["step_bonds"] = scene.dynamics.young_modulus
+    square = sum(modulus / ICE_DENSITY / fit[name] ** 2 for name, modulus in rates.items())
+    return c.element_size / math.sqrt(square)
 
 
 def sizes(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients) -> Sizes:

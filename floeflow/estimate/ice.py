@@ -8,7 +8,8 @@ it leaves out (salt, stored heat, categories) changes growth by tens of per cent
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
+from functools import lru_cache
 
 from floeflow.constants import AIR_DENSITY, SNOW_DENSITY, ZERO_CELSIUS
 from floeflow.estimate.conditions import Conditions
@@ -17,13 +18,14 @@ from floeflow.estimate.numbers import (
     ICE_CONDUCTIVITY,
     ICE_HEAT,
     SNOW_CONDUCTIVITY,
-    lateral_melt,
+    WATER_HEAT,
+    edge_rate,
+    sea_delay,
 )
 
 STEFAN_BOLTZMANN, EMISSIVITY = 5.67e-8, 0.97
 AIR_HEAT, LATENT_VAPOUR, TRANSFER = 1004.0, 2.835e6, 1.75e-3
 ALBEDO_SNOW, ALBEDO_ICE, ALBEDO_POND, ALBEDO_WATER = 0.8, 0.55, 0.25, 0.06
-NEW_ICE = 0.1  # thickness at which it gathers, m
 STEPS = 200
 
 
@@ -73,8 +75,9 @@ def _surface(c: Conditions, conductance: float, albedo: float) -> tuple[float, f
     return 0.5 * (low + high), 0.0
 
 
+@lru_cache(maxsize=256)
 def run_ice(c: Conditions, effects: frozenset[str]) -> Ice:
-    """Ice at the end of the run.
+    """Ice at the end of the run: the mean of two halves of the sea, with more and less ice.
 
     Parameters
     ----------
@@ -85,14 +88,18 @@ def run_ice(c: Conditions, effects: frozenset[str]) -> Ice:
     """
     if "shortwave" not in effects:
         c = replace(c, shortwave_down=0.0)
-    area, volume = c.concentration, c.concentration * c.thickness
-    snow, warmth, pond = c.snow, 0.0, 0.0
+    dense = min(1.0, c.concentration + c.concentration_spread, 2.0 * c.concentration)
+    halves = [_run_half(c, area, effects) for area in (dense, 2.0 * c.concentration - dense)]
+    return Ice(*(0.5 * (one + two) for one, two in zip(*map(astuple, halves), strict=True)))
+
+
+def _run_half(c: Conditions, area: float, effects: frozenset[str]) -> Ice:
+    volume, snow, pond = area * c.thickness, c.snow, 0.0
+    heat = 0.0  # of the mixed layer above its freezing point, J/m2
     dt = c.seconds / STEPS
-    edge = lateral_melt(c) / STEPS if "lateral_melt" in effects else 0.0
-    shut = c.closing * c.compaction / STEPS if "ridging" in effects else 0.0
+    shut = c.closing * c.yielding / STEPS if "ridging" in effects else 0.0
     for _ in range(STEPS):
-        if area > 0:
-            area *= 1.0 - shut
+        area *= 1.0 - shut
         if "thermodynamics" not in effects or not area > 0:
             continue
         thick = volume / area
@@ -108,17 +115,36 @@ def run_ice(c: Conditions, effects: frozenset[str]) -> Ice:
             melt = melt if snow <= 0.01 else 0.0
         if "ponds" in effects and left > 0:
             pond = min(0.3, pond + 0.3 * melt)
-        below = c.ocean_heat_flux + warmth
+        below, side, lack, heat = _sea(c, effects, area, volume, heat, dt)
         growth = dt * (conductance * (FREEZING - skin) - below) / ICE_HEAT
-        volume = max(0.0, volume + area * (growth - melt))
-        loss = open_water_loss(c) * (1.0 - area)
-        if loss > 0 and "frazil" in effects:
-            made = dt * loss / ICE_HEAT
-            volume, area = volume + made, min(1.0, area + made / NEW_ICE)
-        elif loss < 0 and "mixed_layer" in effects:
-            # What leads take up melts ice from below within days.
-            warmth = -loss
-        volume *= 1.0 - edge
-        # Melting opens water where the ice is thin: half of it (Hibler 1979).
-        area *= 1.0 - min(1.0, edge + 0.5 * max(0.0, melt - growth) / max(thick, 1e-3))
+        volume = max(0.0, volume + area * (growth - melt)) * (1.0 - side)
+        # Melting opens water where the ice is thin: half of it (Hibler 1979), if it has layers.
+        thinned = 0.5 * max(0.0, melt - growth) / max(thick, 1e-3) if c.layered else 0.0
+        area *= 1.0 - min(1.0, side + thinned)
+        if "frazil" in effects:
+            made = lack / ICE_HEAT
+            volume, area = volume + made, min(1.0, area + made / c.new_ice_thickness)
+        area = area if volume > 0 else 0.0
     return Ice(area, volume)
+
+
+def _sea(
+    c: Conditions, effects: frozenset[str], area: float, volume: float, heat: float, dt: float
+) -> tuple[float, float, float, float]:
+    """Heat to the ice's bottom (W/m2), share melted from the sides, heat lacking, heat kept (J/m2).
+
+    Water at its freezing point freezes and melts at once what leads lose and take up. A mixed layer
+    keeps what sea and leads take up, hands it to the ice in the time `sea_delay`, and freezes when
+    it has none left.
+    """
+    edges = "lateral_melt" in effects
+    leads = -open_water_loss(c) * (1.0 - area) * dt
+    if "mixed_layer" not in effects:
+        leads += c.ocean_heat_flux * (1.0 - area) * dt
+        stored = ICE_HEAT * volume
+        side = min(1.0, max(0.0, leads) / stored) if edges and stored > 0 else 0.0
+        return c.ocean_heat_flux, side, max(0.0, -leads), 0.0
+    below = heat * -math.expm1(-dt / sea_delay(c)) / dt
+    side = min(1.0, edge_rate(heat / (WATER_HEAT * c.mixed_layer_depth)) * dt) if edges else 0.0
+    heat += c.ocean_heat_flux * dt + leads - below * area * dt - side * ICE_HEAT * volume
+    return below, side, max(0.0, -heat), max(0.0, heat)

@@ -54,7 +54,7 @@ def mechanical_drift(c: Conditions, name: str, effects: frozenset[str]) -> float
     """Change of positions (m) by what happens between elements.
 
     Bonds even out the drift as far as they hold, friction what has no bonds; the coast stops what
-    lies at it, and what the jammed pack leans on it; ridging lets the pack close.
+    lies at it; ridging lets the pack close, where elastic contacts would hold it apart.
     """
     torn, free = c.spread * c.seconds, c.slip * c.seconds
     held = min(1.0, NUMBERS["bonds"](c))
@@ -64,11 +64,13 @@ def mechanical_drift(c: Conditions, name: str, effects: frozenset[str]) -> float
     if name == "friction":
         return min(1.0, NUMBERS["friction"](c)) * loose * torn
     if name == "coast":
-        return min(1.0, c.coast_share * (1.0 + 2.0 * c.compaction)) * free
+        # The root mean square where a share of the ice stands still and the rest goes on.
+        return math.sqrt(min(1.0, c.coast_share)) * free
     if name == "walls":
         return min(1.0, NUMBERS["walls"](c)) * free
     if name == "ridging":
-        return NUMBERS["ridging"](c) * loose * min(free, c.fetch)
+        # Closing adds up over the width of the pack: a linear profile and its spread.
+        return NUMBERS["ridging"](c) * c.fetch / math.sqrt(12.0)
     if name == "refreeze":
         return min(1.0, NUMBERS["refreeze"](c)) * held * loose * torn
     return 0.0
@@ -90,12 +92,15 @@ def influence(c: Conditions, name: str, effects: Iterable[str]) -> Influence:
     gone = without(there, name)
     with_ice, without_ice = run_ice(c, there), run_ice(c, gone)
     volume, area = with_ice.volume - without_ice.volume, with_ice.area - without_ice.area
-    drift = mechanical_drift(c, name, there)
-    paths = [run_drift(part, there) for part in calm_and_windy(c)]
-    if name in POINT:
-        others = [run_drift(part, gone) for part in calm_and_windy(c)]
-        drift = _rms([abs(a - b) for a, b in zip(paths, others, strict=True)])
     start = c.concentration * c.thickness
+    # What moves is the ice of mid run, thicker or thinner than at the start.
+    share = 0.5 * (1.0 + with_ice.volume / start) if start > 0 else 1.0
+    moving = replace(c, thickness=share * c.thickness)
+    drift = mechanical_drift(moving, name, there)
+    paths = [run_drift(part, there) for part in calm_and_windy(moving)]
+    if name in POINT:
+        others = [run_drift(part, gone) for part in calm_and_windy(moving)]
+        drift = _rms([abs(a - b) for a, b in zip(paths, others, strict=True)])
     scales = (
         max(_rms([abs(path) for path in paths]), DRIFT_FLOOR),
         max(abs(with_ice.volume - start), ICE_FLOOR * start),

@@ -21,8 +21,9 @@ FREEZING = ZERO_CELSIUS - 1.8
 ICE_HEAT = ICE_DENSITY * LATENT_HEAT
 # Floes are far smaller than elements: their edges are what melts laterally (Steele 1992).
 FLOE_DIAMETER, FLOE_SHAPE = 300.0, 0.66
-MIXED_LAYER = 30.0  # depth, m
 WATER_HEAT = 4.1e6  # J/m3/K
+# Stanton number of heat from the sea to the ice, least friction velocity (Maykut & McPhee 1995).
+SEA_TRANSFER, LEAST_FRICTION = 6.0e-3, 5.0e-4
 OPEN_ABSORPTION, ICE_ABSORPTION = 0.94, 0.35
 
 NUMBERS: dict[str, Number] = {}
@@ -106,14 +107,14 @@ def walls(c: Conditions) -> float:
 
 @number_of("ridging")
 def ridging(c: Conditions) -> float:
-    """ε κ: share of the area that convergence closes, times compaction."""
-    return c.closing * c.compaction
+    """ε κ (1 - σ_c h / (τ_a L)): share of the area that a jammed pack closes, if the wind can."""
+    return c.closing * c.yielding
 
 
 @number_of("redistribution")
 def redistribution(c: Conditions) -> float:
-    """ε κ: share of the area that ridges, of which the categories tell thick from thin."""
-    return c.closing * c.compaction
+    """ε κ (1 - σ_c h / (τ_a L)): share of the area that ridges, told thick from thin."""
+    return c.closing * c.yielding
 
 
 @number_of("refreeze")
@@ -154,13 +155,32 @@ def ponds(c: Conditions) -> float:
     return _over(covered * 0.4 * c.shortwave_down * c.seconds, ICE_HEAT * c.thickness)
 
 
+def sea_uptake(c: Conditions) -> float:
+    """Heat that sea and leads take up from below and from the sun, W/m2 of sea."""
+    return c.ocean_heat_flux + (1.0 - c.concentration) * OPEN_ABSORPTION * c.shortwave_down
+
+
+def sea_delay(c: Conditions) -> float:
+    """Time in which a mixed layer hands its heat to the ice (s): H / (c_h u*)."""
+    friction = max(math.sqrt(c.ocean_drag) * c.slip, LEAST_FRICTION)
+    return c.mixed_layer_depth / (SEA_TRANSFER * friction)
+
+
+def edge_rate(warmth: float) -> float:
+    """Share of the ice that melts from its sides in a second, in water this much above freezing."""
+    return math.pi * 1.6e-6 * warmth**1.36 / (FLOE_SHAPE * FLOE_DIAMETER)
+
+
 @number_of("lateral_melt")
 def lateral_melt(c: Conditions) -> float:
     """π w T / (α D): melt of the floes' edges over their diameter, where the water is warm."""
-    warm = _over((1.0 - c.concentration) * c.shortwave_down * OPEN_ABSORPTION * 86400.0, 1.0)
-    above = min(2.0, warm / (WATER_HEAT * MIXED_LAYER))
-    rate = 1.6e-6 * above**1.36  # Maykut & Perovich 1987
-    return math.pi * rate * c.seconds / (FLOE_SHAPE * FLOE_DIAMETER)
+    from floeflow.estimate.ice import open_water_loss
+
+    lost = max(0.0, open_water_loss(c)) * (1.0 - c.concentration)
+    left = max(0.0, sea_uptake(c) - lost)
+    delay = sea_delay(c)
+    held = left * delay * -math.expm1(-c.seconds / delay)
+    return edge_rate(held / (WATER_HEAT * c.mixed_layer_depth)) * c.seconds
 
 
 @number_of("frazil")
@@ -174,9 +194,13 @@ def frazil(c: Conditions) -> float:
 
 @number_of("mixed_layer")
 def mixed_layer(c: Conditions) -> float:
-    """(1 - A) (1 - α_w) F_s T / (ρ_i L A h): heat that leads take up over the heat of the ice."""
-    taken = (1.0 - c.concentration) * OPEN_ABSORPTION * c.shortwave_down * c.seconds
-    return _over(taken, ICE_HEAT * c.thickness * max(c.concentration, 1e-6))
+    """(F_w + (1 - A)(1 - α_w) F_s) T / (ρ_i L |ΔV|): heat into the sea over that of the change."""
+    from floeflow.estimate.ice import run_ice
+
+    start = c.concentration * c.thickness
+    parts = frozenset({"thermodynamics", "snow", "shortwave", "frazil", "lateral_melt"})
+    change = abs(run_ice(c, parts).volume - start)
+    return _over(sea_uptake(c) * c.seconds, ICE_HEAT * max(change, 0.01 * start))
 
 
 @number_of("remap")

@@ -73,7 +73,10 @@ def _plan(given: argparse.Namespace) -> str:
 def _settings(proposal: Proposal) -> list[str]:
     if not proposal.changes:
         return ["  the scene as it stands"]
-    return [f"  {path}: {value:g}" for path, value in proposal.changes.items()]
+    return [
+        f"  {path}: {value if isinstance(value, str) else format(value, 'g')}"
+        for path, value in proposal.changes.items()
+    ]
 
 
 def as_time(seconds: float) -> str:

@@ -14,7 +14,7 @@ from floeflow.config import Scene
 from floeflow.errors import FloeError
 from floeflow.estimate.conditions import Conditions
 from floeflow.estimate.cost import Coefficients, run_seconds
-from floeflow.plan.precision import Model, knob_errors, total_error
+from floeflow.plan.precision import ErrorModel, knob_errors, total_error
 from floeflow.studies.knobs import Knob, knobs
 
 # Combinations looked at; coarse and fine ends of the knobs go first where there are more.
@@ -66,7 +66,7 @@ def adjusted(c: Conditions, scene: Scene) -> Conditions:
 
 
 def judge(
-    scene: Scene, c: Conditions, ranks: int, fit: Coefficients, model: Model
+    scene: Scene, c: Conditions, ranks: int, fit: Coefficients, model: ErrorModel
 ) -> tuple[float, dict[str, dict[str, float]]]:
     """Predicted wall time of a scene, and errors by knob and norm."""
     own = adjusted(c, scene)
@@ -74,14 +74,14 @@ def judge(
 
 
 def proposals(
-    scene: Scene, c: Conditions, ranks: int, fit: Coefficients, model: Model
+    scene: Scene, c: Conditions, ranks: int, fit: Coefficients, model: ErrorModel
 ) -> list[Proposal]:
     """All combinations of the knobs' levels, the scene itself first.
 
     Each knob's share of work and error is taken from the models with this knob alone changed:
     errors add as squares, the time is asked of the cost model for each combination.
     """
-    turned = [knob for knob in knobs(scene) if knob.name in model]
+    turned = [knob for knob in knobs(scene) if model.knows(knob.name)]
     choices = [_levels(knob) for knob in turned]
     while math.prod(len(levels) for levels in choices) > MOST:
         longest = max(choices, key=len)

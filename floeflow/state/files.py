@@ -12,15 +12,16 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import tempfile
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 
 from floeflow.errors import FloeError
-from floeflow.state.schema import VARIABLES, check_state
+from floeflow.state.schema import ROUNDED, VARIABLES, check_state
 from floeflow.state.seal import check_seal, seal
+from floeflow.whole import write_whole
 
 CHECKSUM = "checksum"
 
@@ -64,26 +65,12 @@ def write_dataset(data: xr.Dataset, path: str | Path) -> str:
     path = Path(path)
     data = data.copy()
     data.attrs[CHECKSUM] = checksum(data)
-    temporary = None
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        os.close(handle)
+    with write_whole(path) as temporary:
         encoding = {str(name): {"_FillValue": None} for name in data.variables}
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
-        seal(Path(temporary))
-        # mkstemp makes files that only their owner reads.
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
+        seal(temporary)
         with open(temporary, "rb+") as file:
             os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except (OSError, RuntimeError) as error:
-        if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
-        reason = getattr(error, "strerror", None) or error
-        raise FloeError(f"{path}: cannot be written: {reason}") from None
     return str(data.attrs[CHECKSUM])
 
 
@@ -111,8 +98,20 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     return data
 
 
-def write_state(state: xr.Dataset, path: str | Path) -> str:
+def write_state(
+    state: xr.Dataset, path: str | Path, precision: Literal["double", "single"] = "double"
+) -> str:
     """Check a state, describe its variables, write it atomically; return its checksum.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        All floating variables in double precision.
+    path : str or Path
+        Its place.
+    precision : str
+        In which the file keeps the variables that `schema.ROUNDED` names; ids, counts and the
+        variables of `schema.EXACT` stay as they are.
 
     Raises
     ------
@@ -126,12 +125,15 @@ def write_state(state: xr.Dataset, path: str | Path) -> str:
         raise FloeError(f"{path}: not written: {error}") from None
     for name in state.variables:
         rule = VARIABLES[str(name)]
+        if precision == "single" and name in ROUNDED:
+            # Bounds of the schema are single precision numbers, so that rounding keeps them.
+            state[name] = state[name].astype(np.float32)
         state[name].attrs = {"units": rule.units, "long_name": rule.long_name}
     return write_dataset(state, path)
 
 
 def read_state(path: str | Path) -> xr.Dataset:
-    """Read a state, verify its seal and schema.
+    """Read a state, verify its seal and schema; all floating variables in double precision.
 
     Raises
     ------
@@ -139,6 +141,9 @@ def read_state(path: str | Path) -> xr.Dataset:
         In one sentence that names the file.
     """
     state = read_dataset(path)
+    for name in ROUNDED:
+        if name in state and state[name].dtype == np.float32:
+            state[name] = state[name].astype(np.float64)
     try:
         check_state(state)
     except FloeError as error:

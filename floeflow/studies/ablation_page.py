@@ -10,8 +10,7 @@ from floeflow.estimate.choose import OUTPUT, scene_estimates
 from floeflow.postprocess.diagnostics import write_json
 from floeflow.studies.ablation_figure import ablation_figure
 from floeflow.studies.ablation_table import Ablation, ablation_table
-from floeflow.studies.page import Table, draw, render_study
-from floeflow.whole import write_text
+from floeflow.studies.page import Study, Table, draw, write_study
 
 LEAD = (
     "Each effect of the scene was left out once, and the results compared with the run that has "
@@ -85,8 +84,9 @@ def main(snakemake: stage.Snakemake) -> None:
     figures = Path(str(snakemake.output.figures))
     drawings = [draw(figures, "ablation", caption, ablation_figure(study))]
     title = f"Ablation of {scene.report.title or scene.name}"
-    page = render_study(title, LEAD, sentences(study, scene), drawings, [effect_table(study)])
-    write_text(page, Path(str(snakemake.output.page)))
+    said = Study(title, LEAD, sentences(study, scene), drawings, [effect_table(study)])
+    out = snakemake.output
+    write_study(said, Path(out.page), Path(out.digest), snakemake.params.study_keys)
 
 
 if "snakemake" in globals():

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import math
+from itertools import cycle
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -36,7 +38,17 @@ STYLES = (
     ("#8a6d3b", "<", (0, (8, 2))),
     ("#4b0082", ">", (0, (2, 2))),
     (FAINT, "h", "-"),
+    ("#7fb800", "p", "--"),
+    ("#a2142f", "d", "-."),
+    ("#006d77", "1", ":"),
+    ("#b56576", "H", (0, (5, 1))),
+    ("#3d405b", "8", (0, (1, 1))),
 )
+# How the scene's own setting is marked.
+RING: dict[str, Any] = {"markersize": 9, "markeredgecolor": INK, "markeredgewidth": 1.2}
+# Runs that vary all knobs are no series.
+ALL = (INK, "*", "none")
+# Errors below this are round-off.
 LEAST = 1.0e-7
 
 
@@ -44,19 +56,22 @@ def accuracy_figure(study: Accuracy, norm: str) -> Figure:
     """Relative error over work, both logarithmic, one line for each knob.
 
     Lines show the error that a knob alone makes, the marks of "all knobs" and the thick grey line,
-    the Pareto front of all runs, that of all knobs. Stars are the default, crosses at the top runs
-    that failed; below the hatched line is what chaos alone makes. The reference is not drawn.
+    the Pareto front of all runs, that of all knobs. Ringed marks are the default, crosses at the
+    top runs that failed; below the hatched line is what chaos alone makes. Not drawn are the
+    reference and what has no error: knobs that the norm does not feel, runs equal to their limit.
     """
     with look():
         figure = new_figure(7.6, 4.6)
         axes = figure.add_subplot()
-        names = list(dict.fromkeys(p.knob for p in study.points))
-        for name, style in zip(names, STYLES, strict=False):
+        names = [name for name in dict.fromkeys(p.knob for p in study.points) if name != TOGETHER]
+        for name, style in [*zip(names, cycle(STYLES), strict=False), (TOGETHER, ALL)]:
             _knob(axes, [p for p in study.points if p.knob == name], norm, name, style)
-        front = pareto(study.points, norm)
+        ring = {"markerfacecolor": "none", **RING}
+        axes.plot([], [], "o", linestyle="none", label="default (ringed)", **ring)
+        front = [p for p in pareto(study.points, norm) if p.totals[norm] >= LEAST]
         axes.plot(
             [p.work for p in front],
-            [max(p.totals[norm], LEAST) for p in front],
+            [p.totals[norm] for p in front],
             color=FAINT,
             linewidth=5,
             alpha=0.35,
@@ -94,24 +109,15 @@ def accuracy_figure(study: Accuracy, norm: str) -> Figure:
 def _knob(
     axes: Axes, points: list[Point], norm: str, name: str, style: tuple[str, str, object]
 ) -> None:
-    good = [p for p in points if p.stable and norm in p.errors and p.run != REFERENCE]
+    good = [
+        p for p in points if p.stable and p.errors.get(norm, 0.0) >= LEAST and p.run != REFERENCE
+    ]
     if not good:
         return
     colour, mark, dash = style
-    x, y = [p.work for p in good], [max(p.errors[norm], LEAST) for p in good]
-    if name == TOGETHER:
-        axes.plot(x, y, mark, color=colour, label="all knobs", linestyle="none", markersize=8)
-    else:
-        label = name.replace("_", " ")
-        axes.plot(x, y, marker=mark, color=colour, label=label, linestyle=dash, markersize=5)
+    x, y = [p.work for p in good], [p.errors[norm] for p in good]
+    label, size = ("all knobs", 9) if name == TOGETHER else (name.replace("_", " "), 5)
+    axes.plot(x, y, marker=mark, color=colour, label=label, linestyle=dash, markersize=size)
     for point in good:
         if point.level == 1.0 or (math.isnan(point.level) and point.run == "base"):
-            axes.plot(
-                point.work,
-                max(point.errors[norm], LEAST),
-                marker="*",
-                color=colour,
-                markersize=13,
-                markeredgecolor="white",
-                linestyle="none",
-            )
+            axes.plot(point.work, point.errors[norm], mark, color=colour, linestyle="none", **RING)

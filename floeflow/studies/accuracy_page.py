@@ -16,9 +16,8 @@ from floeflow.studies.accuracy_plan import TOGETHER
 from floeflow.studies.accuracy_table import Accuracy, analyse, as_dataset
 from floeflow.studies.knobs import knobs
 from floeflow.studies.measures import KEPT, NORMS
-from floeflow.studies.page import Table, draw, render_study
+from floeflow.studies.page import Study, Table, draw, write_study
 from floeflow.studies.recommend import Setting, most_accurate, recommend
-from floeflow.whole import write_text
 
 LEAD = (
     "Each knob was varied alone, and all together; the error of a knob's runs is against the limit "
@@ -36,7 +35,8 @@ def recommendations(study: Accuracy, scene: Scene) -> dict[float, Setting | None
 
 def recommendation_table(study: Accuracy, scene: Scene) -> Table:
     """Settings for 1, 5 and 20 % error."""
-    names = [knob.name for knob in knobs(scene)]
+    turned = knobs(scene)
+    names = [knob.name for knob in turned]
     rows = []
     for target, setting in recommendations(study, scene).items():
         if setting is None:
@@ -44,7 +44,7 @@ def recommendation_table(study: Accuracy, scene: Scene) -> Table:
             least = f"least {100 * best.error:.2g}" if best else "none"
             rows.append([100 * target, least, "", *[""] * len(names)])
         else:
-            levels = [f"x {setting.levels.get(name, 1.0):.3g}" for name in names]
+            levels = [knob.told(setting.levels.get(knob.name, 1.0)) for knob in turned]
             rows.append([100 * target, 100 * setting.error, setting.work, *levels])
     note = (
         "Levels are factors by which a knob is coarser (above 1) or finer than in the scene; error "
@@ -103,21 +103,33 @@ def main(snakemake: stage.Snakemake) -> None:
         Path(str(snakemake.output.table)),
     )
     figures = Path(str(snakemake.output.figures))
-    drawings = [
-        draw(figures, f"accuracy_{norm}", f"{NORMS[norm].label}: error over work.", figure)
+    drawings = {
+        norm: draw(
+            figures,
+            f"accuracy_{norm}",
+            f"{NORMS[norm].label}: error over work.",
+            accuracy_figure(study, norm),
+        )
         for norm in NORMS
         if any(norm in point.errors for point in study.points)
-        for figure in [accuracy_figure(study, norm)]
-    ]
+    }
     said = [
         f"The default run's element model and column take {study.seconds:.3g} s of CPU time; "
         f"repeats differ by {100 * study.noise:.2g} %.",
         "A nudge of 1e-9 moves positions by "
         f"{100 * study.chaos['drift']:.2g} % of the drift: errors below that are chaos.",
     ]
-    tables = [recommendation_table(study, scene), order_table(study), run_table(study)]
-    title = f"Accuracy and cost of {scene.report.title or scene.name}"
-    write_text(render_study(title, LEAD, said, drawings, tables), Path(str(snakemake.output.page)))
+    found = Study(
+        f"Accuracy and cost of {scene.report.title or scene.name}",
+        LEAD,
+        said,
+        [drawing for norm, drawing in drawings.items() if norm in KEPT],
+        [recommendation_table(study, scene), order_table(study)],
+        [drawing for norm, drawing in drawings.items() if norm not in KEPT],
+        [run_table(study)],
+    )
+    out = snakemake.output
+    write_study(found, Path(out.page), Path(out.digest), snakemake.params.study_keys)
 
 
 if "snakemake" in globals():

@@ -30,7 +30,7 @@ def accuracy_variants(scene: Scene) -> list[Variant]:
     for knob in knobs(scene):
         for place, level in enumerate(knob.levels):
             if level != 1.0:
-                label = f"{knob.text} x {level:.3g}"
+                label = f"{knob.text}: {knob.told(level)}"
                 name = f"{knob.name}-{place}"
                 runs.append(Variant(name, knob.changes(level), knob.name, label))
     for name, move in MOVES.items():

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -94,11 +95,16 @@ class Runs:
         self._read: dict[str, tuple[RunEnds, tuple[xr.Dataset, xr.Dataset]]] = {}
 
     def ends(self, run: str) -> tuple[RunEnds, tuple[xr.Dataset, xr.Dataset]]:
-        """States and gridded fields of a run, on the base scene's grid."""
+        """States of a run and its fields on the base scene's grid, brought there in its own way."""
         if run not in self._read:
             ends = read_ends(self.results / str(self.records[run]["name"]))
-            self._read[run] = ends, on_grid(self.scene, ends, self.mask)
+            self._read[run] = ends, on_grid(self._gridded(run), ends, self.mask)
         return self._read[run]
+
+    def _gridded(self, run: str) -> Scene:
+        way = self.records[run]["changes"].get("grid.transfer", self.scene.grid.transfer)
+        grid = self.scene.grid.model_copy(update={"transfer": way})
+        return self.scene.model_copy(update={"grid": grid})
 
     def errors(self, reference: str, run: str) -> dict[str, float]:
         """Relative errors of a run against another."""
@@ -182,11 +188,12 @@ def _series(
     for norm in NORMS:
         if not all(norm in found for found in against.values()):
             continue
-        series, order, converges = with_tail(
-            [levels[name] for name in well],
-            [against[name][norm] for name in well],
-            [step[norm] for step in steps],
-        )
+        series = [against[name][norm] for name in well]
+        order, converges = math.nan, False
+        if not knob.ways:  # nothing lies beyond the best way
+            series, order, converges = with_tail(
+                [levels[name] for name in well], series, [step[norm] for step in steps]
+            )
         orders.append(Convergence(knob.name, norm, knob.order, order, converges))
         for name, error in zip(well, series, strict=True):
             total[name][norm] = error

@@ -8,8 +8,8 @@ that the error goes as level ** order.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from floeflow.config import Scene
@@ -18,6 +18,8 @@ Changes = dict[str, Any]
 MANY_WINDOWS = 8
 # From fine to coarse.
 SCHEMES = ("mushy", "bl99", "zero_layer")
+PRECISIONS = ("double", "single")
+TRANSFERS = ("conservative", "mls", "shepard", "nearest")
 MOST_CATEGORIES = 10
 
 
@@ -37,6 +39,8 @@ class Knob:
         From fine to coarse; 1 is the scene itself.
     changes : callable
         Level to changed keys.
+    ways : mapping
+        Names of the levels, where they are ways to do a thing and no factors.
     """
 
     name: str
@@ -44,19 +48,50 @@ class Knob:
     order: float | None
     levels: tuple[float, ...]
     changes: Callable[[float], Changes]
+    ways: Mapping[float, str] = field(default_factory=dict)
+
+    def told(self, level: float) -> str:
+        """A level in words."""
+        return self.ways.get(level, f"x {level:.3g}")
 
 
 def knobs(scene: Scene) -> list[Knob]:
     """Knobs that act in a scene."""
     found = [_step(scene), _stiffness(scene), _elements(scene), _window(scene), _spacing(scene)]
+    found += [_precision(scene), _transfer(scene)]
     if "thermodynamics" in scene.effects:
         found += [_column_step(scene), _splitting(scene), _scheme(scene), _categories(scene)]
         # Zero-layer ice has none.
         if scene.column.scheme != SCHEMES[-1]:
             found.append(_layers(scene))
     if "remap" in scene.effects:
-        found.append(_remap(scene))
+        found += [_remap(scene), _remap_order(scene)]
     return found
+
+
+def _ways(name: str, text: str, key: str, ways: tuple[Any, ...], own: Any) -> Knob:
+    """Ways to do one thing, the most accurate first; factors of two are only their places."""
+    levels = tuple(2.0 ** (place - ways.index(own)) for place in range(len(ways)))
+    changes = {level: {key: way} for level, way in zip(levels, ways, strict=True)}
+    told = {level: str(way) for level, way in zip(levels, ways, strict=True)}
+    return Knob(name, text, None, levels, changes.__getitem__, told)
+
+
+def _precision(scene: Scene) -> Knob:
+    """Precision of what a window hands to the next."""
+    text, own = "precision of the state between windows", scene.state.precision
+    return _ways("state_precision", text, "state.precision", PRECISIONS, own)
+
+
+def _transfer(scene: Scene) -> Knob:
+    """Way to the grid: seen by the norms on the grid alone, after the run."""
+    text, own = "transfer to the grid", scene.grid.transfer
+    return _ways("grid_transfer", text, "grid.transfer", TRANSFERS, own)
+
+
+def _remap_order(scene: Scene) -> Knob:
+    """Linear slopes in the elements, or donor cells."""
+    return _ways("remap_order", "order of the remap", "remap.order", (2, 1), scene.remap.order)
 
 
 def _remap(scene: Scene) -> Knob:
@@ -139,24 +174,14 @@ def _spacing(scene: Scene) -> Knob:
 
 def _splitting(scene: Scene) -> Knob:
     """Column around the dynamics stands for half a level: it costs nearly nothing."""
-    ways = ("around", "after")
-    levels = (0.5, 1.0) if scene.column.splitting == "after" else (1.0, 2.0)
-
-    def changes(level: float) -> Changes:
-        return {"column.splitting": ways[levels.index(level)]}
-
-    return Knob("splitting", "column after or around the dynamics", None, levels, changes)
+    text, own = "column after or around the dynamics", scene.column.splitting
+    return _ways("splitting", text, "column.splitting", ("around", "after"), own)
 
 
 def _scheme(scene: Scene) -> Knob:
-    """Schemes stand in the order of what they tell of; factors of two are only their places."""
-    own = SCHEMES.index(scene.column.scheme)
-    levels = tuple(2.0 ** (place - own) for place in range(len(SCHEMES)))
-
-    def changes(level: float) -> Changes:
-        return {"column.scheme": SCHEMES[levels.index(level)]}
-
-    return Knob("column_scheme", "scheme of the column", None, levels, changes)
+    """Schemes stand in the order of what they tell of."""
+    text, own = "scheme of the column", scene.column.scheme
+    return _ways("column_scheme", text, "column.scheme", SCHEMES, own)
 
 
 def _layers(scene: Scene) -> Knob:

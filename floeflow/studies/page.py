@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The page of a study: self-contained HTML, as the report of a run."""
+"""The page of a study, self-contained HTML, and its digest for the report of the scene."""
 
 from __future__ import annotations
 
 import base64
+import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import jinja2
@@ -13,6 +14,7 @@ from matplotlib.figure import Figure
 
 from floeflow.postprocess.figures.style import as_svg, write_png
 from floeflow.postprocess.wording import number
+from floeflow.whole import write_text
 
 TEMPLATE = Path(__file__).with_name("templates") / "study.html.j2"
 DPI = 130
@@ -45,20 +47,57 @@ def draw(folder: Path, name: str, caption: str, figure: Figure) -> Drawing:
     return Drawing(name, caption, f"data:image/svg+xml;base64,{text}")
 
 
-def render_study(
-    title: str,
-    lead: str,
-    cards: Sequence[str],
-    drawings: Sequence[Drawing],
-    tables: Sequence[Table],
-) -> str:
+@dataclass(frozen=True)
+class Study:
+    """What a study says.
+
+    Parameters
+    ----------
+    title, lead : str
+        Heads of the page.
+    cards : sequence of str
+        Sentences.
+    drawings, tables : sequence
+        Also in the scene's report.
+    more_drawings, more_tables : sequence
+        On the page alone.
+    """
+
+    title: str
+    lead: str
+    cards: Sequence[str]
+    drawings: Sequence[Drawing]
+    tables: Sequence[Table]
+    more_drawings: Sequence[Drawing] = ()
+    more_tables: Sequence[Table] = ()
+
+
+def render_study(study: Study) -> str:
     """Fill the template; every value is escaped."""
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters["cell"] = cell
     page = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
-    return page.render(title=title, lead=lead, cards=cards, drawings=drawings, tables=tables)
+    return page.render(study=study)
+
+
+def write_study(study: Study, page: Path, digest: Path, keys: str) -> None:
+    """Write the page, and the digest with the hash of the scene keys that it holds for."""
+    write_text(render_study(study), page)
+    tables = [
+        asdict(replace(table, rows=[[cell(value) for value in row] for row in table.rows]))
+        for table in study.tables
+    ]
+    found = {
+        "keys": keys,
+        "title": study.title,
+        "lead": study.lead,
+        "cards": list(study.cards),
+        "drawings": [asdict(drawing) for drawing in study.drawings],
+        "tables": tables,
+    }
+    write_text(json.dumps(found, indent=1) + "\n", digest)
 
 
 def cell(value: object) -> str:

@@ -7,10 +7,11 @@ runs that turn several. The runs that vary all knobs together show how well it h
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
 
 from floeflow.studies.accuracy_table import Point
 from floeflow.studies.measures import KEPT
@@ -31,15 +32,35 @@ def worst(point: Point, norms: Sequence[str] = KEPT) -> float:
 
 
 def settings(points: Sequence[Point], knobs: Sequence[str]) -> list[Setting]:
-    """All combinations of the knobs' stable levels."""
-    series = [[p for p in points if p.knob == knob and p.stable] for knob in knobs]
-    series = [found for found in series if found]
-    found = []
-    for choice in product(*series):
-        error = max(math.sqrt(sum(p.errors.get(norm, 0.0) ** 2 for p in choice)) for norm in KEPT)
-        levels = {p.knob: p.level for p in choice}
-        found.append(Setting(levels, error, math.prod(p.work for p in choice)))
-    return found
+    """Combinations of the knobs' stable levels that no other beats in work and every kept norm.
+
+    Knob by knob, so that what is beaten already need not be combined with what comes.
+    """
+    levels: list[dict[str, float]] = [{}]
+    # Squares of the errors and, last, the work; both grow with those of every further knob.
+    rank = np.array([[0.0] * len(KEPT) + [1.0]])
+    for knob in knobs:
+        series = [p for p in points if p.knob == knob and p.stable]
+        if not series:
+            continue
+        own = np.array([[p.errors.get(norm, 0.0) ** 2 for norm in KEPT] for p in series])
+        squares = (rank[:, None, :-1] + own).reshape(-1, len(KEPT))
+        work = (rank[:, None, -1] * np.array([p.work for p in series])).reshape(-1, 1)
+        rank = np.hstack([squares, work])
+        levels = [{**before, knob: p.level} for before in levels for p in series]
+        best = _unbeaten(rank)
+        rank, levels = rank[best], [levels[k] for k in best]
+    worst = np.sqrt(rank[:, :-1].max(axis=1))
+    return [Setting(*row) for row in zip(levels, worst.tolist(), rank[:, -1].tolist(), strict=True)]
+
+
+def _unbeaten(rank: NDArray[np.float64]) -> list[int]:
+    """Rows that no other row beats, or equals and comes before, in all columns."""
+    kept: list[int] = []
+    for k in np.lexsort(rank.T):
+        if not (rank[kept] <= rank[k]).all(axis=1).any():
+            kept.append(int(k))
+    return kept
 
 
 def recommend(points: Sequence[Point], knobs: Sequence[str], error: float) -> Setting | None:

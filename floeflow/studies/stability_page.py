@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from floeflow import stage
-from floeflow.studies.page import Table, as_markdown, cell, draw, render_study
+from floeflow.studies.page import Study, Table, as_markdown, cell, draw, write_study
 from floeflow.studies.stability_figure import residual_figure, stability_map
 from floeflow.whole import write_text
 
@@ -16,6 +16,7 @@ LEAD = (
     "is hard and what must hold in it is told in docs/stability.md."
 )
 Shown = dict[str, Any]
+ENDS = ("passed", "skipped", "failed")
 
 
 def case_table(shown: list[Shown]) -> Table:
@@ -32,6 +33,17 @@ def case_table(shown: list[Shown]) -> Table:
     return Table("Hard cases", ("case", "what", "outcome", "figures"), rows)
 
 
+def summary(shown: list[Shown]) -> Table:
+    """Row for each case: its tests, how they ended, the largest part of the energy missed."""
+    rows = []
+    for module in sorted({entry["module"] for entry in shown}):
+        own = [entry for entry in shown if entry["module"] == module]
+        ended = [sum(entry["outcome"] == word for entry in own) for word in ENDS]
+        missed = [abs(e["figures"]["residual"]) for e in own if "residual" in e["figures"]]
+        rows.append([module, len(own), *ended, 100 * max(missed) if missed else "–"])
+    return Table("Cases", ("case", "tests", *ENDS, "largest energy residual (%)"), rows)
+
+
 def sentences(shown: list[Shown]) -> list[str]:
     """How many there are and how they ended."""
     modules = {entry["module"] for entry in shown}
@@ -40,15 +52,15 @@ def sentences(shown: list[Shown]) -> list[str]:
         ended[entry["outcome"]] = ended.get(entry["outcome"], 0) + 1
     said = ", ".join(f"{count} {name}" for name, count in sorted(ended.items()))
     out = [f"{len(modules)} cases with {len(shown)} tests: {said}."]
-    shares = [
-        e["figures"]["default_over_largest"]
-        for e in shown
-        if "default_over_largest" in e["figures"]
-    ]
-    if shares:
-        out.append(
-            f"The default step is {100 * min(shares):.0f} % or more of the largest stable one."
-        )
+    for name, packs in (
+        ("default_over_largest", "bonded packs"),
+        ("unbonded_default_over_largest", "packs that contacts alone hold"),
+    ):
+        shares = [round(100.0 * e["figures"][name]) for e in shown if name in e["figures"]]
+        if shares:
+            least, most = min(shares), max(shares)
+            said = f"{most}" if least == most else f"{least} to {most}"
+            out.append(f"The default step is {said} % of the largest stable one in {packs}.")
     return out
 
 
@@ -69,14 +81,17 @@ def main(snakemake: stage.Snakemake) -> None:
     drawings = [draw(folder, "residuals", caption, residual_figure(residuals(shown)))]
     for entry in shown:
         if found := entry["figures"].get("map"):
-            lines = {(name, young): shares for name, young, shares in found["lines"]}
-            figure = stability_map(lines, found["dampings"], found["default"])
-            caption = "Largest time step at which no energy grows, over the critical one."
+            figure = stability_map(found["panels"], found["dampings"], found["default"])
+            caption = (
+                "Largest time step at which no energy grows, over the critical one, of packs that "
+                "bonds hold together and of packs of contacts pressed into a frame."
+            )
             drawings.append(draw(folder, "stability_map", caption, figure))
     table = case_table(shown)
-    page = render_study("Hard cases", LEAD, sentences(shown), drawings, [table])
-    write_text(page, Path(str(snakemake.output.page)))
-    write_text(as_markdown(table) + "\n", Path(str(snakemake.output.table)))
+    out = snakemake.output
+    study = Study("Hard cases", LEAD, sentences(shown), drawings, [summary(shown)], (), [table])
+    write_study(study, Path(out.page), Path(out.digest), keys="")
+    write_text(as_markdown(table) + "\n", Path(out.table))
     for entry in shown:
         if entry["outcome"] == "failed":
             logging.error("%s: %s failed", entry["module"], entry["test"])

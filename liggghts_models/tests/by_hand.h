@@ -16,13 +16,15 @@ namespace by_hand {
 
 using namespace floe;
 
-// Elastic, damped, never attractive, with the overlap at rest that broken bonds leave: no more.
-struct Push {
-  template <typename P, int Width>
-  FLOE_INLINE void evaluate(const ContactTask &t, const int *pairs, int first, int count,
-                            LaneSums *sums) const {
+// What all laws read of a pack of pairs, and where their loads go.
+template <typename P, int Width>
+struct Pairs {
+  P h[4], d[4], a[4], b[4];
+  P share = P{} + 1.0;
+  double *load_one[Width], *load_two[Width];
+
+  FLOE_INLINE Pairs(const ContactTask &t, const int *pairs) {
     const double *row[Width], *one[Width], *two[Width];
-    double *load_one[Width], *load_two[Width];
     int i[Width], j[Width];
     bool ghosts = false;
     for (int k = 0; k < Width; ++k) {
@@ -36,15 +38,23 @@ struct Push {
       load_two[k] = &t.loads[j[k]].fx;
       ghosts |= j[k] >= t.nlocal;
     }
-    P share = P{} + 1.0;
     if (ghosts) {
       for (int k = 0; k < Width; ++k) share[k] = j[k] < t.nlocal ? 1.0 : 0.5;
     }
-    P h[4], d[4], a[4], b[4];
     columns(row, 0, h);
     differences(two, one, d);
     columns(one, 4, a);
     columns(two, 4, b);
+  }
+};
+
+// Elastic, damped, never attractive, with the overlap at rest that broken bonds leave: no more.
+struct Push {
+  template <typename P, int Width>
+  FLOE_INLINE void evaluate(const ContactTask &t, const int *pairs, int first, int count,
+                            LaneSums *sums) const {
+    Pairs<P, Width> g(t, pairs);
+    const auto &h = g.h, &d = g.d, &a = g.a, &b = g.b;
     const P zero{}, distance = root(d[0] * d[0] + d[1] * d[1]);
     const P gap = (a[3] + b[3]) - distance, rest = larger(zero, smaller(h[1], gap));
     const P overlap = gap - rest;
@@ -58,16 +68,16 @@ struct Push {
       nowhere = {};
       for (int k = 0; k < Width; ++k) {
         if (k < count && !idle[k]) continue;
-        load_one[k] = load_two[k] = &nowhere.fx;
-        share[k] = power[k] = 0.0;
+        g.load_one[k] = g.load_two[k] = &nowhere.fx;
+        g.share[k] = power[k] = 0.0;
       }
     }
     if (t.advance) {
       for (int k = 0; k < Width; ++k) t.rows[pairs[k]].rest = rest[k];
     }
-    sums[0].add(first, share * power);
-    add_rows(load_one, {-fn * nx, -fn * ny, zero, zero});
-    add_rows(load_two, {fn * nx, fn * ny, zero, zero});
+    sums[0].add(first, g.share * power);
+    add_rows(g.load_one, {-fn * nx, -fn * ny, zero, zero});
+    add_rows(g.load_two, {fn * nx, fn * ny, zero, zero});
   }
 };
 
@@ -76,30 +86,8 @@ struct Rub {
   template <typename P, int Width>
   FLOE_INLINE void evaluate(const ContactTask &t, const int *pairs, int first, int count,
                             LaneSums *sums) const {
-    const double *row[Width], *one[Width], *two[Width];
-    double *load_one[Width], *load_two[Width];
-    int i[Width], j[Width];
-    bool ghosts = false;
-    for (int k = 0; k < Width; ++k) {
-      const Ends ends = t.ends[pairs[k]];
-      i[k] = ends.i;
-      j[k] = ends.j();
-      row[k] = &t.rows[pairs[k]].slip;
-      one[k] = &t.bodies[i[k]].x;
-      two[k] = &t.bodies[j[k]].x;
-      load_one[k] = &t.loads[i[k]].fx;
-      load_two[k] = &t.loads[j[k]].fx;
-      ghosts |= j[k] >= t.nlocal;
-    }
-    P share = P{} + 1.0;
-    if (ghosts) {
-      for (int k = 0; k < Width; ++k) share[k] = j[k] < t.nlocal ? 1.0 : 0.5;
-    }
-    P h[4], d[4], a[4], b[4];
-    columns(row, 0, h);
-    differences(two, one, d);
-    columns(one, 4, a);
-    columns(two, 4, b);
+    Pairs<P, Width> g(t, pairs);
+    const auto &h = g.h, &d = g.d, &a = g.a, &b = g.b;
     const P zero{}, distance = root(d[0] * d[0] + d[1] * d[1]), radii = a[3] + b[3];
     const P overlap = radii - distance, rest = larger(zero, smaller(h[1], overlap));
     const P inv = 1.0 / distance, nx = d[0] * inv, ny = d[1] * inv;
@@ -124,8 +112,8 @@ struct Rub {
       slip = idle ? zero : slip;
       for (int k = 0; k < Width; ++k) {
         if (k < count && !idle[k]) continue;
-        load_one[k] = load_two[k] = &nowhere.fx;
-        share[k] = lost[k] = 0.0;
+        g.load_one[k] = g.load_two[k] = &nowhere.fx;
+        g.share[k] = lost[k] = 0.0;
       }
     }
     if (t.advance) {
@@ -134,9 +122,9 @@ struct Rub {
         t.rows[pairs[k]].rest = rest[k];
       }
     }
-    sums[0].add(first, share * lost);
-    add_rows(load_one, {-fn * nx - ft * ny, -fn * ny + ft * nx, arm_one * ft, zero});
-    add_rows(load_two, {fn * nx + ft * ny, fn * ny - ft * nx, arm_two * ft, zero});
+    sums[0].add(first, g.share * lost);
+    add_rows(g.load_one, {-fn * nx - ft * ny, -fn * ny + ft * nx, arm_one * ft, zero});
+    add_rows(g.load_two, {fn * nx + ft * ny, fn * ny - ft * nx, arm_two * ft, zero});
   }
 };
 

@@ -27,6 +27,7 @@ from floeflow.postprocess.figures.style import (
     new_figure,
     nice_step,
 )
+from floeflow.postprocess.outlines import body_outlines, carried_outlines, own_outlines
 from floeflow.state.schema import MOBILE
 
 WIDTH = 6.0
@@ -63,37 +64,16 @@ def element_shapes(state: xr.Dataset, packing: xr.Dataset) -> Shapes:
         As their contracts say; an id that is in one of them only gets a disc, or nothing.
     """
     if "cell_corners" in state:
-        packing = own_cells(state)
-    start, known = packing["cell_start"].values, packing["id"].values
-    ids, cx, cy = state["id"].values, packing["cell_x"].values, packing["cell_y"].values
-    x, y, theta = state["x"].values, state["y"].values, state["theta"].values
-    polygons, of_polygon, of_disc = [], [], []
-    places = np.searchsorted(known, ids)
-    for index, place in enumerate(places):
-        has = place < known.size and known[place] == ids[index]
-        first, last = (int(start[place]), int(start[place + 1])) if has else (0, 0)
-        if last - first < 3:
-            of_disc.append(index)
-            continue
-        dx = cx[first:last] - packing["x"].values[place]
-        dy = cy[first:last] - packing["y"].values[place]
-        cos, sin = np.cos(theta[index]), np.sin(theta[index])
-        outline = np.stack([x[index] + cos * dx - sin * dy, y[index] + sin * dx + cos * dy], 1)
-        polygons.append(outline / 1e3)
-        of_polygon.append(index)
-    return Shapes(polygons, np.array(of_polygon, dtype=int), np.array(of_disc, dtype=int))
-
-
-def own_cells(state: xr.Dataset) -> xr.Dataset:
-    """Cells that a state holds, in the form in which the packing has them; about the origin."""
-    start = np.concatenate([[0], np.cumsum(state["cell_corners"].values)])
-    still = np.zeros(state.sizes["element"])
-    data = {"id": state["id"].values, "x": still, "y": still}
-    return xr.Dataset(
-        {name: ("element", values) for name, values in data.items()}
-        | {"cell_start": ("element_bound", start)}
-        | {f"cell_{axis}": ("vertex", state[f"corner_{axis}"].values) for axis in ("x", "y")}
-    )
+        body, corners = own_outlines(state), state["cell_corners"].values
+    else:
+        unturned = packing.assign(theta=("element", np.zeros(packing.sizes["element"])))
+        body, corners = body_outlines(packing, unturned), np.diff(packing["cell_start"].values)
+    has_cell = np.isin(state["id"].values, body.id[corners >= 3])
+    of_polygon = np.flatnonzero(has_cell)
+    drawn = carried_outlines(body, state[["id", "x", "y", "theta"]].isel(element=of_polygon))
+    places = np.stack([drawn.x, drawn.y], axis=1) / 1e3
+    polygons = np.split(places, drawn.start[1:-1]) if of_polygon.size else []
+    return Shapes(polygons, of_polygon, np.flatnonzero(~has_cell))
 
 
 def element_values(state: xr.Dataset, quantity: str) -> np.ndarray:

@@ -69,28 +69,16 @@ def series_figures(
     at = data["boundary_time"].values / unit
     now = data["time"].values / unit
 
-    area = data["ice_area"].values
-    scale, name = pick_unit(AREA_UNITS, area)
-    yield (
-        "series_area",
-        "Ice area of all elements at the window boundaries.",
-        _figure(axis, f"Ice area ({name})", [(at, area / scale, "", BLUE, "-o")]),
-    )
-    volume = data["ice_volume"].values
-    scale, name = pick_unit(VOLUME_UNITS, volume)
-    yield (
-        "series_volume",
-        "Ice volume of all elements at the window boundaries.",
-        _figure(axis, f"Ice volume ({name})", [(at, volume / scale, "", BLUE, "-o")]),
-    )
+    stocks = [("area", "Ice area", "ice_area", AREA_UNITS, BLUE, "-o")]
+    stocks.append(("volume", "Ice volume", "ice_volume", VOLUME_UNITS, BLUE, "-o"))
     if "snow" in effects:
-        snow = data["snow_volume"].values
-        scale, name = pick_unit(VOLUME_UNITS, snow)
-        yield (
-            "series_snow",
-            "Snow volume on all elements at the window boundaries.",
-            _figure(axis, f"Snow volume ({name})", [(at, snow / scale, "", VERMILION, "-s")]),
-        )
+        stocks.append(("snow", "Snow volume", "snow_volume", VOLUME_UNITS, VERMILION, "-s"))
+    for short, words, variable, units, colour, dash in stocks:
+        amount = data[variable].values
+        scale, name = pick_unit(units, amount)
+        line = (at, amount / scale, "", colour, dash)
+        text = f"{words} of all elements at the window boundaries."
+        yield f"series_{short}", text, _figure(axis, f"{words} ({name})", [line])
 
     kinetic, elastic = data["kinetic_energy"].values, data["elastic_energy"].values
     scale, name = pick_unit(ENERGY_UNITS, kinetic, elastic)

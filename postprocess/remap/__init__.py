@@ -13,6 +13,7 @@ from floeflow.postprocess.remap.carry import Carried, carry, near_cells
 from floeflow.postprocess.remap.fields import ROOM, Field, Remapper, build_remapper, remap
 from floeflow.postprocess.remap.grid import Grid
 from floeflow.postprocess.remap.mesh import Mesh, curvilinear
+from floeflow.postprocess.remap.nearest import nearest_weights
 from floeflow.postprocess.remap.quadrature import Points, disc_points, polygon_points
 from floeflow.postprocess.remap.samples import (
     Sampler,
@@ -26,6 +27,7 @@ from floeflow.postprocess.remap.weights import (
     EMPTY,
     FILLED,
     MLS,
+    NEAREST,
     SHEPARD,
     Weights,
     build_weights,
@@ -35,6 +37,7 @@ __all__ = [
     "EMPTY",
     "FILLED",
     "MLS",
+    "NEAREST",
     "ROOM",
     "SHEPARD",
     "Bins",
@@ -61,6 +64,7 @@ __all__ = [
     "mean_wind",
     "near_cells",
     "nearest_bounded",
+    "nearest_weights",
     "open_room",
     "polygon_points",
     "remap",

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floeflow.errors import FloeError
-from floeflow.postprocess.remap.bounded import Bounded, Ranks, nearest_bounded
+from floeflow.postprocess.remap.bounded import Ranks, nearest_bounded
 from floeflow.postprocess.remap.fields import ROOM, Field, Remapper, parent_weights, ratio
 from floeflow.postprocess.remap.grid import Grid
 from floeflow.postprocess.remap.stencil import Array, Stencil, Target
@@ -58,6 +58,7 @@ def carry(
     known: Mapping[str, Array] | None = None,
     near: NDArray[np.bool_] | None = None,
     ranks: Ranks | None = None,
+    exact: bool = True,
 ) -> Carried:
     """Bring a hierarchy of fields to the grid.
 
@@ -76,6 +77,8 @@ def carry(
         Cells that may hold something, (target.shape); all in reach without it. See `near_cells`.
     ranks : Ranks, optional
         Where the elements are a slice. Every rank calls and gets the whole grid.
+    exact : bool
+        False: averages stay as they are, within their bounds, whatever that makes of the totals.
 
     Returns
     -------
@@ -102,7 +105,7 @@ def carry(
         if item.name not in values:
             raise FloeError(f"remap: '{item.name}' has no values")
         try:
-            _carry_one(item, values, amounts, remapper, placed, near, ranks, carried)
+            _carry_one(item, values, amounts, remapper, placed, near, ranks, carried, exact)
         except FloeError as error:
             raise FloeError(f"{item.name}: {error}") from None
         if item.kind == "extensive":
@@ -119,6 +122,7 @@ def _carry_one(
     near: NDArray[np.bool_] | None,
     ranks: Ranks,
     carried: Carried,
+    exact: bool,
 ) -> None:
     """Add one field to those carried."""
     own = values[item.name]
@@ -127,7 +131,8 @@ def _carry_one(
     if item.parent in ("", ROOM):
         amount, result = own, remapper.bins.total(own, ranks)
         if item.parent == ROOM:
-            result, found = _fill_room(result, amount[placed].sum(), remapper, near, ranks)
+            own_total = amount[placed].sum()
+            result, feasible = _fill_room(result, own_total, remapper, near, ranks, exact)
     else:
         parent = values[item.parent]
         extensive = item.kind == "extensive"
@@ -138,10 +143,10 @@ def _carry_one(
         amount = np.where(parent > 0.0, per, 0.0) * parent
         total = ranks.add(np.array([amount[placed].sum()]))[0]
         on = amounts[item.parent]
-        result, found = _average(item, per, on, total, remapper, ranks)
+        result, feasible = _average(item, per, on, total, remapper, ranks, exact)
         if extensive:
             result = np.where(np.isfinite(result), result, 0.0) * on
-    if item.parent and not found.feasible[0]:
+    if item.parent and not feasible:
         carried.infeasible.append(item.name)
     sums, outside = ranks.add(np.array([amount[placed].sum(), amount[~placed].sum()]))
     on_grid = result if item.kind == "extensive" else np.nan_to_num(result) * on
@@ -156,7 +161,8 @@ def _fill_room(
     remapper: Remapper,
     near: NDArray[np.bool_] | None,
     ranks: Ranks,
-) -> tuple[Array, Bounded]:
+    exact: bool,
+) -> tuple[Array, bool]:
     """Areas in the cells, none above its sea; cells take of a correction as they are covered."""
     sea = remapper.bins.room.area.ravel()
     total = ranks.add(np.array([own]))
@@ -167,25 +173,30 @@ def _fill_room(
     share = np.divide(dealt, sea, out=np.zeros_like(sea), where=sea > 0.0)
     target = np.where(open_, share, 0.0)
     high = open_.astype(np.float64)
+    if not exact:
+        return (np.minimum(target, high) * sea).reshape(remapper.bins.room.area.shape), True
     pull = np.clip(target, LEAST_COVERAGE, 1.0)
     # Land weighs nothing; its penalty is any number above 0.
     penalty = np.where(sea > 0.0, sea, 1.0) / pull
     found = nearest_bounded(target, np.zeros_like(sea), high, sea, total, penalty=penalty)
-    return (found.values * sea).reshape(remapper.bins.room.area.shape), found
+    return (found.values * sea).reshape(remapper.bins.room.area.shape), bool(found.feasible[0])
 
 
 def _average(
-    item: Field, per: Array, on: Array, total: float, remapper: Remapper, ranks: Ranks
-) -> tuple[Array, Bounded]:
-    """Bounded averages with an exact total, and NaN where there is nothing of the parent."""
+    item: Field, per: Array, on: Array, total: float, remapper: Remapper, ranks: Ranks, exact: bool
+) -> tuple[Array, bool]:
+    """Bounded averages, with an exact total if asked; NaN where there is nothing of the parent."""
     weights = parent_weights(item, remapper)
     accurate = weights.apply(per, ranks=ranks).ravel()
     low, high = (bound.ravel() for bound in weights.bounds(per, ranks))
     has = (on.ravel() > 0.0) & (weights.status.ravel() != EMPTY)
-    found = nearest_bounded(accurate[has], low[has], high[has], on.ravel()[has], total)
     values = np.full(on.size, np.nan)
+    if not exact:
+        values[has] = np.clip(accurate[has], low[has], high[has])
+        return values.reshape(on.shape), True
+    found = nearest_bounded(accurate[has], low[has], high[has], on.ravel()[has], total)
     values[has] = found.values
-    return values.reshape(on.shape), found
+    return values.reshape(on.shape), bool(found.feasible[0])
 
 
 def near_cells(

@@ -18,8 +18,13 @@ import numpy as np
 from floeflow.errors import FloeError
 from floeflow.postprocess.remap.bins import Bins, Room, build_bins
 from floeflow.postprocess.remap.bounded import Ranks
+from floeflow.postprocess.remap.nearest import nearest_weights
 from floeflow.postprocess.remap.stencil import Array
-from floeflow.postprocess.remap.weights import CONDITION_LIMIT, Weights, build_weights
+from floeflow.postprocess.remap.weights import (
+    CONDITION_LIMIT,
+    Weights,
+    build_weights,
+)
 
 # Parent of an area that fills the sea of the cells: at most all of it.
 ROOM = "room"
@@ -80,6 +85,7 @@ def build_remapper(
     condition_limit: float = CONDITION_LIMIT,
     fill: float = 0.0,
     ranks: Ranks | None = None,
+    nearest: bool = False,
 ) -> Remapper:
     """Build weights and bins from one search for the pairs.
 
@@ -95,8 +101,13 @@ def build_remapper(
         As `build_bins` takes it.
     condition_limit, fill, ranks
         As `build_weights` takes them.
+    nearest : bool
+        Weights of the nearest element alone instead; of all elements, not of slices.
     """
     pairs = room.target.pairs(x, y, room.reach)
+    if nearest:
+        near = {n: nearest_weights(x, y, a, room.target, pairs) for n, a in parents.items()}
+        return Remapper(near, build_bins(x, y, room, radius, pairs))
     weights = {
         name: build_weights(
             *(x, y, amount, room.target),

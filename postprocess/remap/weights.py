@@ -28,7 +28,7 @@ from floeflow.postprocess.remap.stencil import (
     sum_moments,
 )
 
-EMPTY, SHEPARD, MLS, FILLED = 0, 1, 2, 3
+EMPTY, SHEPARD, MLS, FILLED, NEAREST = 0, 1, 2, 3, 4
 
 CONDITION_LIMIT = 1e3
 # Elements with less than this share of the heaviest one's weight count as having none: the square
@@ -47,7 +47,8 @@ class Weights:
     target : Target
         The grid or mesh.
     status : ndarray of int8
-        (target.shape): EMPTY, SHEPARD, MLS, or FILLED from the nearest node that is not empty.
+        (target.shape): EMPTY, SHEPARD, MLS, FILLED from the nearest node that is not empty, or
+        NEAREST element alone.
     condition : ndarray
         (target.shape): condition number of the scaled moment matrix; inf where it is singular.
     reach : int

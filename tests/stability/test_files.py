@@ -8,6 +8,7 @@ outside of the results.
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -76,6 +77,25 @@ def run_python(
         text=True,
         check=False,
     )
+
+
+@pytest.mark.parametrize(("target", "runs"), [("bytes", 500), ("fields", 200)])
+def test_a_guided_fuzzer_breaks_no_reader(target: str, runs: int, tmp_path: Path, record):
+    """Inputs that atheris tries, guided by the code they reach; `make fuzz` goes on for longer."""
+    pytest.importorskip("atheris", reason="atheris has no wheel for this Python or platform")
+    program = Path(__file__).with_name("fuzz_state.py")
+    options = (f"-runs={runs}", "-seed=1", "-timeout=60")
+    done = subprocess.run(
+        [sys.executable, program, target, tmp_path, *options],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    reached = [int(n) for n in re.findall(r"cov: (\d+)", done.stderr)]
+    assert f"Done {runs} runs" in done.stderr
+    assert reached[-1] > 50, "the reader is not instrumented"
+    record(runs=runs, lines_reached=reached[-1])
 
 
 _SMALL_DISK = """

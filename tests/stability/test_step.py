@@ -1,26 +1,30 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Hard case 2: time steps up to the limit and beyond it.
 
-What must hold: below the critical step no energy grows out of nothing, for any pack, stiffness and
-damping; bonded packs blow up not far above it, so that it wastes little; the default step is at
-least 60 % of the largest that holds; and what diverges is stopped, with the element named.
+What must hold: below the critical step no energy grows out of nothing, for any pack, bonded or
+not, any stiffness and damping; bonded packs blow up not far above it, so that it wastes little; the
+default step is at least 60 % of the largest that holds; and what diverges is stopped, with the
+element named.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from mpi4py import MPI
-from packs import PACKS, neighbours, shaken
-from watch import watch
+from packs import PACKS, neighbours, random_pack, shaken, squeezed
+from pressed import PRESSED, at_rest, network_step
+from watch import default_step, watch
 
 from floeflow.config.blocks import Dynamics
 from floeflow.dynamics.bondtable import Arrays
 from floeflow.dynamics.energycheck import stored_energy
 from floeflow.dynamics.engine import Engine, EngineError, EngineParams
+from floeflow.dynamics.engineparams import FIXED
 from floeflow.dynamics.timestep import critical_step
 from floeflow.errors import FloeError
 from floeflow.studies.stability_figure import stability_map
@@ -36,6 +40,11 @@ LAWS = EngineParams(
 )
 STEPS, LOOKS = 3000, 15
 DEFAULT = Dynamics().step_share
+
+
+# Contacts as scenes have them, friction and its damping among them.
+CONTACTS = EngineParams(time_step=1.0, contact_damping=0.3)
+AIM = 0.6
 
 
 def growth(log: Path, pack: Arrays, bonds: Arrays, params: EngineParams) -> float:
@@ -69,12 +78,52 @@ def setting(
 def largest_stable(log: Path, name: str, damping: float, young: float = 1e9) -> float:
     """Largest share of the critical step at which energy does not grow, to 2 %."""
     pack, bonds, laws, critical = setting(name, damping, young)
-    low, high = 0.5, 2.5
+    return bisect(
+        lambda share: growth(log, pack, bonds, replace(laws, time_step=share * critical)) < 10.0
+    )
+
+
+def bisect(holds: Callable[[float], bool]) -> float:
+    """Largest number of 0.5 to 8 for which something holds, to 2 %."""
+    low, high = 0.5, 8.0
     while high > 1.02 * low:
-        middle = np.sqrt(low * high)
-        grown = growth(log, pack, bonds, replace(laws, time_step=middle * critical))
-        low, high = (middle, high) if grown < 10.0 else (low, middle)
-    return float(low)
+        middle = float(np.sqrt(low * high))
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low
+
+
+def swing(log: Path, pack: Arrays, params: EngineParams) -> float:
+    """Largest kinetic energy of a pressed pack over the first; infinite where it is stopped."""
+    with Engine(MPI.COMM_SELF, params, log) as engine:
+        engine.load(pack)
+        first, largest = engine.diagnostics()["kinetic"], 0.0
+        for _ in range(LOOKS):
+            try:
+                engine.run(STEPS // LOOKS)
+            except EngineError:
+                return np.inf
+            sums = engine.diagnostics()
+            largest = max(largest, (sums["kinetic"] + sums["rotational"]) / first)
+            if not largest < 1000.0:
+                break
+    return largest
+
+
+def barely_shaken(pack: Arrays, laws: EngineParams) -> Arrays:
+    """So little that no contact opens or slides: swings of a ten-thousandth of the overlaps."""
+    speed = 1e-8 if np.ptp(pack["radius"]) == 0.0 else 1e-5
+    speed *= np.sqrt(laws.contact_modulus / CONTACTS.contact_modulus)
+    mobile = pack["type"] != FIXED
+    moved = shaken(pack, speed)
+    return moved | {name: moved[name] * mobile for name in ("u", "v", "omega")}
+
+
+def largest_pressed(log: Path, pack: Arrays, laws: EngineParams) -> float:
+    """Largest share of the critical step at which a pressed pack's motion does not grow, to 2 %."""
+    shaken_pack, critical = barely_shaken(pack, laws), critical_step(pack, None, laws)[0]
+    return bisect(
+        lambda share: swing(log, shaken_pack, replace(laws, time_step=share * critical)) < 1000.0
+    )
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.1, 1.0])
@@ -96,26 +145,114 @@ def test_the_default_step_is_most_of_the_largest_stable_one(log: Path, name: str
     found = largest_stable(log, name, 0.1)
     record(largest_stable_share=found, default_over_largest=DEFAULT / found)
     assert found > 0.95
-    assert DEFAULT / found >= 0.6
+    assert DEFAULT / found >= AIM
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("name", PRESSED)
+def test_pressed_packs_hold_below_the_critical_step(log: Path, name: str, damping: float):
+    pack = at_rest(log, name)
+    laws = replace(CONTACTS, contact_damping=damping)
+    critical = critical_step(pack, None, laws)[0]
+    assert critical <= network_step(pack, laws)
+    grown = swing(log, barely_shaken(pack, laws), replace(laws, time_step=0.97 * critical))
+    # Slips and turns that are not yet at rest take part; what diverges has no end.
+    assert grown < 100.0
+
+
+@pytest.mark.parametrize("name", ["pair", "chain", "lattice", "lattice, mixed thickness"])
+def test_pressed_packs_blow_up_where_theory_says(log: Path, name: str, record):
+    """Largest stable step of the engine over that of the contacts' network."""
+    pack = at_rest(log, name)
+    critical, limit = critical_step(pack, None, CONTACTS)[0], network_step(pack, CONTACTS)
+    found = largest_pressed(log, pack, CONTACTS) * critical / limit
+    record(engine_over_theory=found)
+    assert found == pytest.approx(1.0, abs=0.025)
+
+
+WASTED = {
+    "pair": "0.23: a step for six neighbours of which there is one; 0.65 of its own limit would "
+    "resolve a collision by 2.4 steps and miss 3 to 18 % of its energy, where 2 % are allowed",
+    "chain": "0.26: a step for six neighbours of which there are two; as for the pair",
+    "lattice, mixed radius": "0.40: the smallest disc might meet six as small ones in the window",
+    "random": "0.21: the smallest disc touches one neighbour and might meet six as small ones",
+}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.xfail(strict=True, reason=WASTED[name]))
+        if name in WASTED
+        else name
+        for name in (*PRESSED, "random")
+    ],
+)
+def test_the_default_step_of_unbonded_packs(log: Path, name: str, record):
+    """The default step over the largest stable one, contacts alone."""
+    if name == "random":  # its contacts do not hold it: by theory, as if all that touch were closed
+        pack = random_pack()
+        share = network_step(pack, CONTACTS, 0.01) / critical_step(pack, None, CONTACTS)[0]
+    else:
+        share = largest_pressed(log, at_rest(log, name), CONTACTS)
+    record(largest_stable_share=share, unbonded_default_over_largest=DEFAULT / share)
+    assert DEFAULT / share >= AIM
+
+
+PLAIN = (
+    "0.04: damping is counted with the velocity before the step, to first order; exact_losses, "
+    "which takes a quarter of the speed, counts it to second order and misses 0.004"
+)
+
+
+@pytest.mark.parametrize(
+    "exact", [pytest.param(False, marks=pytest.mark.xfail(strict=True, reason=PLAIN)), True]
+)
+def test_energy_of_collisions_at_the_default_step(log: Path, exact: bool, record):
+    """Discs of a loose lattice meet at 0.1 m/s; what the budget misses, less at half the step."""
+    loose = squeezed(PACKS["lattice, mixed thickness"](), -0.02)
+    residuals = []
+    for share in (DEFAULT, 0.5 * DEFAULT):
+        laws = default_step(loose, None, replace(CONTACTS, exact_losses=exact), share)
+        residuals.append(watch(log, shaken(loose, 0.1), laws, 4000.0, samples=5).residual)
+    record(residual=residuals[0], residual_at_half=residuals[1])
+    assert residuals[1] < 0.6 * residuals[0]
+    assert residuals[0] < 0.02
 
 
 @pytest.mark.slow
 def test_the_stability_map(log: Path, record, show):
     """Every pack, stiffness and damping: where the largest stable step lies."""
-    dampings, youngs = (0.0, 0.05, 0.1, 0.3, 1.0), (1e7, 1e9)
-    found = {
+    dampings, youngs, moduli = (0.0, 0.05, 0.1, 0.3, 1.0), (1e7, 1e9), (1e6, 1e8)
+    bonded = {
         (name, young): [largest_stable(log, name, damping, young) for damping in dampings]
         for name in PACKS
         for young in youngs
     }
-    every = np.array(list(found.values()))
+    rest = {name: at_rest(log, name) for name in PRESSED}
+    unbonded = {
+        (name, modulus): [
+            largest_pressed(
+                log, pack, replace(CONTACTS, contact_damping=damping, contact_modulus=modulus)
+            )
+            for damping in dampings
+        ]
+        for name, pack in rest.items()
+        for modulus in moduli
+    }
+    every, loose = (np.array(list(found.values())) for found in (bonded, unbonded))
     at_default = every[:, dampings.index(0.1)]
     record(least=every.min(), most=every.max(), default_over_largest=DEFAULT / at_default.max())
-    lines = [[name, young, shares] for (name, young), shares in found.items()]
-    record(map={"dampings": dampings, "lines": lines, "default": DEFAULT})
-    show("stability_map", stability_map, found, dampings, DEFAULT)
+    record(unbonded_least=loose.min(), unbonded_most=loose.max())
+    panels = [
+        {"title": title, "lines": [[*key, shares] for key, shares in found.items()]}
+        for title, found in (("bonded", bonded), ("contacts only", unbonded))
+    ]
+    record(map={"dampings": dampings, "panels": panels, "default": DEFAULT})
+    show("stability_map", stability_map, panels, dampings, DEFAULT)
     assert every.min() > 0.95
-    assert DEFAULT / at_default.max() >= 0.6
+    assert loose.min() > 0.98
+    assert DEFAULT / at_default.max() >= AIM
 
 
 @pytest.mark.parametrize("name", ["chain", "lattice", "random"])

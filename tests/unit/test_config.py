@@ -130,6 +130,19 @@ def test_a_changed_key_changes_the_hash_of_its_stages_only():
     assert changed == {"report"}
 
 
+@pytest.mark.parametrize(
+    ("keys", "stages"),
+    [
+        ("state: {precision: single}", {"initial", "dynamics"}),
+        ("grid: {transfer: nearest}", {"grid"}),
+        ("remap: {order: 1}", {"cure"}),
+    ],
+)
+def test_ways_to_do_a_thing_are_read_where_it_is_done(keys: str, stages: set[str]):
+    plain, other = parse(""), parse(keys)
+    assert {s for s in STAGE_KEYS if stage_hash(plain, s) != stage_hash(other, s)} == stages
+
+
 def test_more_windows_change_no_hash():
     plain, longer = parse(""), parse("time: {windows: 50}")
     stages = set(STAGE_KEYS) - {"estimate"}  # what is estimated grows with the run

@@ -20,11 +20,6 @@ from floeflow.postprocess.diagnostics import diagnose, main, write_json
 from floeflow.state import read_dataset, read_state, write_dataset
 
 
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    return make_run(tmp_path_factory.mktemp("run"))
-
-
 @pytest.fixture
 def copy(run: Run, tmp_path: Path) -> Run:
     shutil.copytree(run.root, tmp_path / "copy")

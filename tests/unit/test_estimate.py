@@ -16,11 +16,11 @@ from floeflow.config import load_scene
 from floeflow.effects import EFFECTS
 from floeflow.estimate.choose import OUTPUT, SETTING, estimate, recommended
 from floeflow.estimate.conditions import Conditions, conditions
-from floeflow.estimate.cost import coefficients, sizes, stage_seconds
+from floeflow.estimate.cost import coefficients, critical_step, sizes, stage_seconds
 from floeflow.estimate.drift import run_drift
 from floeflow.estimate.ice import open_water_loss, run_ice
 from floeflow.estimate.influence import influence, without
-from floeflow.estimate.numbers import ICE_CONDUCTIVITY, ICE_HEAT, NUMBERS, meaning
+from floeflow.estimate.numbers import ICE_CONDUCTIVITY, ICE_HEAT, NUMBERS, meaning, sea_delay
 from floeflow.preprocess.estimate import estimates
 
 ROOT = Path(__file__).parents[2]
@@ -106,7 +106,69 @@ def test_summer_melts_and_winter_freezes(smoke: Conditions):
         seconds=30 * 86400.0,
     )
     assert run_ice(july, every).volume < 0.9 * start
-    assert run_ice(july, every).area < smoke.concentration
+    # Ice without layers thins, and loses area from its sides alone.
+    assert run_ice(july, every).area == pytest.approx(smoke.concentration)
+    assert run_ice(july, every | {"lateral_melt"}).area < 0.99 * smoke.concentration
+    assert run_ice(replace(july, layered=True), every).area < smoke.concentration
+
+
+def test_a_mixed_layer_keeps_heat_for_its_own_time(smoke: Conditions):
+    """All of the sea's heat has melted ice after many delays, next to none after a short time."""
+    base = frozenset({"thermodynamics"})
+    calm = replace(
+        smoke,
+        concentration=1.0,
+        concentration_spread=0.0,
+        thickness=3.0,
+        ocean_heat_flux=20.0,
+        shortwave_down=0.0,
+    )
+    for seconds, kept in ((0.05, 1.0), (1.0, -math.expm1(-1.0)), (20.0, 0.05)):
+        c = replace(calm, seconds=seconds * sea_delay(calm))
+        cold = run_ice(replace(c, ocean_heat_flux=0.0), base).volume
+        melted = cold - run_ice(c, base).volume
+        late = cold - run_ice(c, base | {"mixed_layer"}).volume
+        assert 1.0 - late / melted == pytest.approx(kept, abs=0.06)
+
+
+def test_leads_freeze_what_the_mixed_layer_lacks(smoke: Conditions):
+    still = {"concentration": 0.5, "concentration_spread": 0.0, "seconds": 7200.0}
+    c = replace(smoke, ocean_heat_flux=30.0, **still)
+    every = frozenset({"thermodynamics", "frazil"})
+    plain, slab = run_ice(c, every), run_ice(c, every | {"mixed_layer"})
+    # The sea's heat goes where it is lost: fewer new floes, thicker old ones, as much ice in all.
+    assert slab.area < plain.area
+    given = 0.5 * c.ocean_heat_flux * c.seconds / ICE_HEAT
+    assert slab.volume == pytest.approx(plain.volume, abs=0.2 * given)
+
+
+def test_a_weak_wind_closes_no_strong_pack(smoke: Conditions):
+    names = tuple(EFFECTS)
+    pressed = replace(smoke, concentration=1.0, convergence=1e-5, seconds=5 * 86400.0)
+    assert pressed.crushing < 1.0 < replace(pressed, wind=0.3 * pressed.wind).crushing
+    assert influence(pressed, "ridging", names).drift > 1e3
+    weak = replace(pressed, wind=0.3 * pressed.wind)
+    assert influence(weak, "ridging", names).share == 0.0
+
+
+def test_what_the_coast_holds_stands_still(smoke: Conditions):
+    """The root mean square over ice of which a quarter stands and the rest drifts freely."""
+    c = replace(smoke, coast_share=0.25)
+    found = influence(c, "coast", tuple(EFFECTS)).drift
+    assert found == pytest.approx(0.5 * c.slip * c.seconds)
+
+
+def test_stiffnesses_add_up_in_the_time_step(smoke: Conditions):
+    scene, fit = load_scene(SMOKE), coefficients()
+    dense = replace(smoke, concentration=1.0)
+    step = {
+        effects: critical_step(dense, scene, effects, fit)
+        for effects in ((), ("friction",), ("bonds",), ("friction", "bonds"))
+    }
+    rate = {effects: value**-2 for effects, value in step.items()}
+    added = rate["friction",] + rate["bonds",] - rate[()]
+    assert rate["friction", "bonds"] == pytest.approx(added)
+    assert step["friction", "bonds"] < step["bonds",] < step[()]
 
 
 def test_an_effect_matters_where_its_cause_is(smoke: Conditions):
@@ -174,7 +236,7 @@ def test_auto_chooses_and_says_why(tmp_path: Path):
     assert all(EFFECTS[name].column for name in chosen - {"grid_output"})
 
 
-def test_the_command_prints_the_table(tmp_path: Path):
+def test_the_command_prints_the_table():
     command = [sys.executable, "-m", "floeflow.effects", str(SMOKE)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr

@@ -13,7 +13,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
-from synthetic import X0, Y0, Run, first_state, make_mask, make_packing, make_run
+from synthetic import X0, Y0, Run, first_state, make_mask, make_packing
 
 from floeflow.config.blocks import Domain
 from floeflow.postprocess.figures import bonds, gridmaps, maps, series, style
@@ -21,11 +21,6 @@ from floeflow.postprocess.figures.budgets import budget_figure, budget_unit
 from floeflow.postprocess.figures.cost import cost_figure
 from floeflow.postprocess.figures.frame import Frame, prepare_axes
 from floeflow.state import read_state
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    return make_run(tmp_path_factory.mktemp("run"))
 
 
 @pytest.fixture(scope="module")

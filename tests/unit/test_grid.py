@@ -15,6 +15,7 @@ from floeflow.config import load_scene
 from floeflow.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.errors import FloeError
 from floeflow.postprocess import grid as stage_module
+from floeflow.postprocess.budgets import grid_budget
 from floeflow.postprocess.cf import write_grid
 from floeflow.postprocess.grid import gridded_fields, hat_reach, make_grid, sea_room
 from floeflow.postprocess.remap import Grid
@@ -113,10 +114,10 @@ def make_state(right=4.0e5, left=X0, per_cell=2, snow=True, thickness=None):
 GRID = Grid(X0 + CELL * (np.arange(SIZE) + 0.5), Y0 + CELL * (np.arange(SIZE) + 0.5))
 
 
-def gridded(state, land_columns=0):
+def gridded(state, land_columns=0, transfer="conservative"):
     """Fields of a state, and the area of sea in the cells."""
     room = sea_room(make_mask(land_columns), GRID, hat_reach(state, GRID))
-    return gridded_fields(state, room), room.area
+    return gridded_fields(state, room, transfer), room.area
 
 
 NX, NY = np.meshgrid(GRID.x, GRID.y)
@@ -168,6 +169,49 @@ def test_no_ice_on_land_and_full_cells_at_the_coast():
     total = (state["area"] * state["ice_fraction"][:, 0]).values.sum()
     assert abs(fields["siarea_residual"]) < 1e-14 * total
     assert np.nansum(fields["siconc"] * sea) == pytest.approx(total, rel=1e-14)
+
+
+def uneven():
+    """A state that no transfer brings to the grid without an error."""
+    state = make_state(right=2.3e5, thickness=lambda x, y: 1 + np.sin(x / 1e5) ** 2)
+    state["ice_fraction"] *= 1 - 0.2 * np.sin(state["x"] / 1.5e5) ** 2
+    return state
+
+
+@pytest.mark.parametrize(("transfer", "method"), [("mls", 2), ("shepard", 1), ("nearest", 4)])
+def test_plain_averages_leave_totals_open_and_say_so(transfer, method):
+    state = uneven()
+    fields, sea = gridded(state, transfer=transfer)
+    ice = fields["siconc"] > 0
+    assert (fields["remap_method"][ice] == method).all()
+    total = float((state["area"] * state["ice_volume"].sum("category")).sum())
+    missing = float(fields["sivolume_residual"])
+    assert 1e-6 * total < abs(missing) < 0.05 * total
+    assert np.nansum(fields["sivol"] * sea) == pytest.approx(total + missing, rel=1e-12)
+    budget = grid_budget(
+        *("ice_volume", "Ice volume on the grid", "m3"),
+        xr.DataArray([total + missing], dims="grid", coords={"grid_window": ("grid", [0])}),
+        *(np.array([total]), np.zeros(1)),
+    )
+    assert budget.summary()["verdict"] == "open"
+    thick = (state["ice_volume"] / state["ice_fraction"]).values[:-1]
+    assert (fields["sithick"][ice] >= thick.min() - 1e-12).all()
+    assert (fields["sithick"][ice] <= thick.max() + 1e-12).all()
+
+
+def test_transfers_differ_as_their_orders_do():
+    """A plane is exact for least squares, and off by its slope to the nearest element."""
+    state = make_state(per_cell=3)
+    off = {}
+    for transfer in ("mls", "shepard", "nearest"):
+        fields, _ = gridded(state, transfer=transfer)
+        off[transfer] = np.abs(fields["sithick"] - (2.0 + 1e-6 * NX)).max()
+    assert off["mls"] < 1e-12 < off["shepard"]
+    state["x"] = state["x"] + 0.2e5
+    fields, _ = gridded(state, transfer="nearest")
+    thick = (state["ice_volume"] / state["ice_fraction"]).values[:-1, 0]
+    away = np.hypot(state["x"].values[:-1] - GRID.x[3], state["y"].values[:-1] - GRID.y[4])
+    assert fields["sithick"][4, 3] == pytest.approx(thick[np.argmin(away)], rel=1e-14)
 
 
 def test_totals_are_those_of_the_elements():

@@ -13,25 +13,10 @@ from synthetic import make_run
 
 from floeflow.errors import FloeError
 from floeflow.postprocess import mesh
-from floeflow.postprocess.mesh import (
-    DISC_CORNERS,
-    body_outlines,
-    carried_outlines,
-    cell_fields,
-    write_meshes,
-)
+from floeflow.postprocess.mesh import cell_fields, write_meshes
 from floeflow.postprocess.meshes import write_polygons, write_series
+from floeflow.postprocess.outlines import DISC_CORNERS, body_outlines, carried_outlines
 from floeflow.state import read_dataset, read_state
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory):
-    return make_run(tmp_path_factory.mktemp("run"))
-
-
-@pytest.fixture(scope="module")
-def states(run):
-    return [read_state(run.path("state", window)) for window in (0, *run.windows)]
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from floeflow.config import Scene, load_scene
 from floeflow.config.load import build_scene, read_keys
@@ -13,19 +15,24 @@ from floeflow.errors import FloeError
 from floeflow.estimate.conditions import Conditions, conditions
 from floeflow.estimate.cost import WORK, coefficients, run_seconds, sizes, stage_seconds
 from floeflow.plan.__main__ import as_time, main
-from floeflow.plan.precision import error_model, knob_errors, resolutions, total_error
+from floeflow.plan.fit_costs import Run, fit_costs, read_runs
+from floeflow.plan.fit_errors import Study, fit_choices, fit_laws
+from floeflow.plan.precision import ErrorModel, error_model, knob_errors, resolutions, total_error
 from floeflow.plan.propose import adjusted, for_budget, for_error, parse_budget, proposals
-from floeflow.plan.refit import Run, fit_costs, read_runs
+from floeflow.studies.knobs import knobs
 from floeflow.studies.variants import changed
 
 ROOT = Path(__file__).parents[2]
 SMOKE = ROOT / "config/scenes/smoke.yaml"
-MODEL = {
-    "step_share": {"drift": (0.05, 1.0)},
-    "softness": {"drift": (1.0, 0.5)},
-    "element_size": {"drift": (0.3, 1.0), "volume": (0.01, 1.0)},
-    "column_step": {"volume": (0.2, 1.0)},
-}
+MODEL = ErrorModel(
+    {
+        "step_share": {"drift": (0.05, 1.0)},
+        "softness": {"drift": (1.0, 0.5)},
+        "element_size": {"drift": (0.3, 1.0), "volume": (0.01, 1.0)},
+        "column_step": {"volume": (0.2, 1.0)},
+    },
+    {"column_scheme": {"zero_layer": {"volume": 0.2}, "bl99": {"volume": 0.1}}},
+)
 
 
 @pytest.fixture(autouse=True)
@@ -136,6 +143,55 @@ def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions
     assert found["launch"] == pytest.approx(1.0, rel=0.05)
     # Samples cut the step a little.
     assert found["step_bonds"] == pytest.approx(truth["step_bonds"], rel=0.05)
+
+
+def made_study(scene: Scene, laws: dict[str, float], ways: dict[str, float]) -> Study:
+    """A study whose knobs' errors in volume are factor x level or, for ways, as given."""
+    rows = []
+    for knob in knobs(scene):
+        for level in knob.levels:
+            if knob.ways:
+                error = ways.get(knob.told(level), 0.0)
+            else:
+                error = laws.get(knob.name, 0.0) * level
+            rows.append((knob.name, level, error))
+    names, levels, errors = zip(*rows, strict=True)
+    runs = xr.Dataset(
+        {
+            "knob": ("point", np.array(names)),
+            "level": ("point", np.array(levels)),
+            "stable": ("point", np.ones(len(rows), np.int8)),
+            "error": (("point", "norm"), np.array(errors)[:, None] * [0.0, 1.0, 0.0]),
+            "norm": ("norm", ["drift", "volume", "area"]),
+        }
+    )
+    return Study(scene, runs)
+
+
+def test_the_fit_finds_the_errors_of_made_studies(scene: Scene, c: Conditions):
+    ways = {"zero_layer": 0.4, "bl99": 0.1}
+    studies = [
+        made_study(scene, {"window": f}, {name: f * error for name, error in ways.items()})
+        for f in (1, 4)
+    ]
+    x = resolutions(scene, c)["window"]
+    factor, order = fit_laws(studies)["window"]["volume"]
+    assert order == pytest.approx(1.0) and factor * x == pytest.approx(2.0)  # the geometric mean
+    assert fit_choices(studies) == {
+        "column_scheme": {
+            "bl99": {"volume": pytest.approx(0.2)},
+            "zero_layer": {"volume": pytest.approx(0.8)},
+        }
+    }
+
+
+def test_a_choice_has_its_own_error_and_the_best_has_none(scene: Scene, c: Conditions):
+    def error(scheme: str) -> float:
+        column = scene.column.model_copy(update={"scheme": scheme})
+        other = scene.model_copy(update={"column": column})
+        return knob_errors(other, c, MODEL)["column_scheme"].get("volume", 0.0)
+
+    assert [error(name) for name in ("mushy", "bl99", "zero_layer")] == [0.0, 0.1, 0.2]
 
 
 def test_a_folder_without_a_study_is_refused(tmp_path: Path):

@@ -23,7 +23,8 @@ def plugin(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]:
     load_plugin.cache_clear()
 
 
-def test_a_missing_plugin_is_one_sentence(plugin: Path) -> None:
+@pytest.mark.usefixtures("plugin")
+def test_a_missing_plugin_is_one_sentence() -> None:
     with pytest.raises(FloeError, match="libfloe.so does not exist: `make setup`"):
         load_plugin()
 

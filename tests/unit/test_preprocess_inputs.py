@@ -165,7 +165,7 @@ def test_mask_that_is_cut_short(tmp_path: Path) -> None:
         inputs.check_mask_file(mask_scene(tmp_path / "ice.nc"))
 
 
-def test_projection_is_checked_first(tmp_path: Path) -> None:
+def test_projection_is_checked_first() -> None:
     scene = Scene.model_validate({"name": "t", "domain": {"crs": "EPSG:4326"}})
     with pytest.raises(FloeError, match="'EPSG:4326' is no projection in metres"):
         inputs.check_mask_file(scene)
@@ -199,10 +199,6 @@ def forcing_file(path: Path, change: Callable[[xr.Dataset], Any] | None = None) 
 def test_good_forcing_passes(tmp_path: Path) -> None:
     forcing_file(tmp_path / "f.nc")
     inputs.check_forcing_file(forcing_scene(tmp_path / "f.nc"))
-
-
-def renamed(**names: str) -> Callable[[xr.Dataset], xr.Dataset]:
-    return lambda data: data.rename(names)
 
 
 def units(name: str, value: str) -> Callable[[xr.Dataset], None]:

@@ -30,14 +30,17 @@ def concentration(lon: np.ndarray, lat: np.ndarray) -> np.ndarray:
     return 0.5 + 0.9 * np.sin(colatitude) * np.cos(np.radians(lon)) * np.cos(colatitude) ** 2
 
 
-def field(
-    step: float = 1.0, first: float = 0.0, last_lat: float = 89.5, name: str = "siconc"
-) -> xr.Dataset:
-    lon = first + np.arange(0.0, 360.0, step)
-    lat = np.arange(60.5, last_lat + 1e-9, step)
+def field() -> xr.Dataset:
+    lon, lat = np.arange(0.0, 360.0), np.arange(60.5, 90.0)
     values = concentration(*np.meshgrid(lon, lat))
     return xr.Dataset(
-        {name: (("lat", "lon"), values, {"standard_name": "sea_ice_area_fraction", "units": "1"})},
+        {
+            "siconc": (
+                ("lat", "lon"),
+                values,
+                {"standard_name": "sea_ice_area_fraction", "units": "1"},
+            )
+        },
         coords={
             "lat": ("lat", lat, {"units": "degrees_north"}),
             "lon": ("lon", lon, {"units": "degrees_east"}),

@@ -193,7 +193,7 @@ def test_broken_files_are_named(tmp_path):
     with pytest.raises(FloeError, match="there is no such file"):
         load_weights(tmp_path / "none.nc")
     (tmp_path / "bad.nc").write_bytes(b"text")
-    with pytest.raises(FloeError, match=r"bad.nc: cannot be read as NetCDF"):
+    with pytest.raises(FloeError, match=r"bad.nc: has no checksum at its end"):
         load_weights(tmp_path / "bad.nc")
     write_dataset(xr.Dataset({"weight": ("pair", np.ones(3))}), tmp_path / "other.nc")
     with pytest.raises(FloeError, match=r"other.nc: holds no remap weights"):

@@ -93,9 +93,7 @@ def test_bonds_stay_where_they_are_in_space(shrunk: xr.Dataset, merged: xr.Datas
             assert tuple(line) in known
 
 
-def test_nothing_pushes_that_did_not_before(
-    shrunk: xr.Dataset, merged: xr.Dataset, tmp_path: Path
-) -> None:
+def test_nothing_pushes_that_did_not_before(merged: xr.Dataset, tmp_path: Path) -> None:
     params = EngineParams(time_step=0.5, bonds=True, ridging=True, compressive_strength=1e5)
     still = element_arrays(merged, 1e-3)
     for name in ("u", "v", "omega"):

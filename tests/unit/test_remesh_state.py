@@ -9,10 +9,12 @@ import shapely
 import xarray as xr
 from remesh_cases import coast_case, jiggled, remapped, scales, spacing_of, totals
 
+from floeflow.config import parse_scene
 from floeflow.dynamics.elements import joint_thickness
 from floeflow.dynamics.remesh.cells import Cells
 from floeflow.dynamics.remesh.outline import cut
-from floeflow.dynamics.remesh.remap import lay, overlapping
+from floeflow.dynamics.remesh.remap import lay, overlapping, remap
+from floeflow.dynamics.remesh.rule import cure
 from floeflow.dynamics.remesh.tables import overlapping_discs
 from floeflow.dynamics.ridging import contact_share
 from floeflow.state.schema import COAST, MOBILE, check_state
@@ -262,3 +264,19 @@ def test_layers_of_all_categories_and_the_sea_are_carried() -> None:
         old, new = (s[name].values[row] for s, row in zip((moved, after), rows, strict=True))
         assert new.min() >= old.min() - 1e-9 * np.abs(old).max(), name
         assert new.max() <= old.max() + 1e-9 * np.abs(old).max(), name
+
+
+def test_the_scene_chooses_the_order_of_the_remap() -> None:
+    state, cells = coast_case()
+    moved = jiggled(state, 0.3 * spacing_of(cells))
+    text = "name: a\neffects: [friction, bonds, ridging, thermodynamics, snow, remap]\n"
+    found = {}
+    for order in (1, 2):
+        scene = parse_scene(f"{text}remap: {{every: 1, order: {order}}}\n".encode(), "a")
+        moved.attrs["window"] = 1
+        found[order], _ = cure(scene, moved, cells)
+        assert_kept(moved, found[order])
+        plain = remap(moved, cells, lay(moved, cells), 0.2, slopes=order == 2)
+        assert found[order]["ice_volume"].equals(plain["ice_volume"])
+    # Donor cells smear what slopes keep.
+    assert not found[1]["ice_volume"].equals(found[2]["ice_volume"])

@@ -6,6 +6,7 @@ from __future__ import annotations
 import base64
 import json
 import re
+from collections.abc import Sequence
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,6 +21,7 @@ from floeflow.postprocess.expense import stages, total_seconds
 from floeflow.postprocess.report import read_numbers, render
 from floeflow.postprocess.wording import duration, number, scene_keys, with_unit
 from floeflow.state import read_state, write_state
+from floeflow.studies.page import Study, Table, write_study
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 SECTIONS = [
@@ -98,7 +100,7 @@ class Page(HTMLParser):
         return " ".join(text for _, text in self.texts)
 
 
-def report_of(run: Run) -> str:
+def report_of(run: Run, studies: Sequence[Path] = ()) -> str:
     folder, last = run.folder, run.windows[-1]
     config = {"scene": str(run.scene_file)}
     files = {
@@ -128,16 +130,12 @@ def report_of(run: Run) -> str:
             **files,
         ),
         output=SimpleNamespace(report=str(folder / "report.html"), figures=str(folder / "figures")),
+        params=SimpleNamespace(studies={str(path): "" for path in studies}),
         config=config,
     )
     Path(given.input.estimates).write_text(json.dumps(ESTIMATES))
     report.main(given)
     return (folder / "report.html").read_text(encoding="utf-8")
-
-
-@pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    return make_run(tmp_path_factory.mktemp("run"))
 
 
 @pytest.fixture(scope="module")
@@ -308,6 +306,17 @@ def test_headline_file_that_is_none_is_named(tmp_path: Path, text: str):
 def test_same_run_same_page(bare: tuple[Run, str]):
     run, html = bare
     assert report_of(run) == html
+
+
+def test_studies_have_a_section_where_there_are_any(bare: tuple[Run, str], tmp_path: Path):
+    run, html = bare
+    assert "Studies" not in Page(html).within("h2")
+    table = Table("Effects <b>", ("effect", "share (%)"), [["wind", 12.3456]], "A note.")
+    study = Study(HOSTILE, "Lead.", ["Said."], [], [table])
+    write_study(study, tmp_path / "page.html", tmp_path / "digest.json", "")
+    shown = report_of(run, [tmp_path / "digest.json"])
+    assert "Studies" in Page(shown).within("h2")
+    assert "Effects &lt;b&gt;" in shown and "12.3" in shown and HOSTILE not in shown
 
 
 def test_missing_value_is_a_fault_not_a_gap():

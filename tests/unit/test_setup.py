@@ -173,7 +173,7 @@ def test_no_liggghts_in_the_distribution(machine: Machine) -> None:
     assert machine.calls() == ["apt-get -qq update"]  # looked again, installed nothing
 
 
-def test_wrong_liggghts_root(machine: Machine, tmp_path: Path) -> None:
+def test_wrong_liggghts_root(machine: Machine) -> None:
     machine.refuses("LIGGGHTS_ROOT=/nowhere", "libliggghts.so", LIGGGHTS_ROOT="/nowhere")
 
 

@@ -14,7 +14,7 @@ from floeflow.effects import EFFECTS
 from floeflow.errors import FloeError
 from floeflow.state import SCHEMA_VERSION, VARIABLES, read_dataset, read_state, write_state
 from floeflow.state.files import checksum
-from floeflow.state.schema import check_state, expected_variables
+from floeflow.state.schema import EXACT, ROUNDED, check_state, expected_variables
 
 
 def a_state(effects: tuple[str, ...] = ("wind", "bonds", "thermodynamics", "snow"), n: int = 4):
@@ -76,6 +76,7 @@ def test_only_the_scene_s_effects_bring_variables():
 def broken(change: str):
     """Break one thing of a state."""
     state = a_state()
+    state.attrs["column_scheme"] = "zero_layer"
     if change == "missing":
         return state.drop_vars("x")
     if change == "nan":
@@ -96,7 +97,18 @@ def broken(change: str):
         state.attrs["schema_version"] = SCHEMA_VERSION + 1
     if change == "attribute":
         del state.attrs["seed"]
+    if change in state.attrs:
+        state.attrs[change] = UNTRUE[change]
     return state
+
+
+UNTRUE = {
+    "effects": "wind haze",
+    "column_scheme": "onion",
+    "time": np.nan,
+    "start": "soon",
+    "provenance": "[" * 10**5,
+}
 
 
 @pytest.mark.parametrize(
@@ -112,6 +124,11 @@ def broken(change: str):
         ("ghost", "names an element that does not exist"),
         ("newer", f"schema version is {SCHEMA_VERSION + 1}, this FloeFlow reads version"),
         ("attribute", "attribute 'seed' is missing"),
+        ("effects", "attribute 'effects' names 'haze', which is no effect"),
+        ("column_scheme", "'column_scheme' is 'onion', which is no column scheme"),
+        ("time", "attribute 'time' is nan"),
+        ("start", "attribute 'start' is 'soon', which is no time"),
+        ("provenance", "attribute 'provenance' is no JSON object"),
     ],
 )
 def test_a_broken_state_is_refused(tmp_path: Path, change: str, sentence: str):
@@ -150,3 +167,30 @@ def test_a_failed_write_keeps_the_older_file(tmp_path: Path):
     (tmp_path / "file").write_text("")
     with pytest.raises(FloeError, match="cannot be written"):
         write_state(a_state(), tmp_path / "file" / "s.nc")
+
+
+def test_single_precision_rounds_what_may_be_rounded_and_nothing_else(tmp_path: Path):
+    state = a_state(n=50)
+    write_state(state, tmp_path / "double.nc")
+    digest = write_state(state, tmp_path / "single.nc", "single")
+    stored, back = read_dataset(tmp_path / "single.nc"), read_state(tmp_path / "single.nc")
+    assert back.attrs["checksum"] == digest and EXACT and ROUNDED
+    for name in map(str, state.variables):
+        assert back[name].dtype == state[name].dtype
+        if name in ROUNDED:
+            assert stored[name].dtype == np.float32
+            np.testing.assert_allclose(back[name], state[name], rtol=2.0**-24)
+        else:
+            np.testing.assert_array_equal(back[name], state[name])
+    assert {"x", "y", "area", "ice_fraction", "sea_temperature", "wall_face_ax"} <= set(EXACT)
+    assert not set(EXACT) & set(ROUNDED)
+    # Once rounded, a state comes back bit for bit.
+    assert write_state(back, tmp_path / "again.nc", "single") == digest
+    sizes = [(tmp_path / f"{name}.nc").stat().st_size for name in ("double", "single")]
+    assert sizes[1] < sizes[0]
+
+
+def test_rounding_keeps_the_schema_s_bounds():
+    for name in ROUNDED:
+        for bound in (VARIABLES[name].low, VARIABLES[name].high):
+            assert np.float64(np.float32(bound)) == bound

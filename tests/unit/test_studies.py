@@ -3,34 +3,38 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from synthetic import make_run
 
-from floeflow.config import load_scene
+from floeflow.config import Scene, load_scene
 from floeflow.config.load import build_scene
 from floeflow.effects import EFFECTS
 from floeflow.errors import FloeError
 from floeflow.estimate.choose import scene_estimates
+from floeflow.preprocess.grids import scene_grid
 from floeflow.stage import CPU_LINE
+from floeflow.state import write_dataset
 from floeflow.studies import compare
 from floeflow.studies.ablation_figure import ablation_figure
 from floeflow.studies.ablation_page import effect_table, sentences
 from floeflow.studies.ablation_table import ablation_table
 from floeflow.studies.accuracy_figure import accuracy_figure
 from floeflow.studies.accuracy_page import order_table, recommendation_table, run_table
-from floeflow.studies.accuracy_table import Accuracy, Convergence, Point, as_dataset, pareto
+from floeflow.studies.accuracy_table import Accuracy, Convergence, Point, Runs, as_dataset, pareto
 from floeflow.studies.knobs import knobs
-from floeflow.studies.measures import NORMS
+from floeflow.studies.measures import KEPT, NORMS
 from floeflow.studies.nested import read_outcome
 from floeflow.studies.orders import observed_order, with_tail
-from floeflow.studies.page import as_markdown, render_study
+from floeflow.studies.page import Study, as_markdown, render_study
 from floeflow.studies.plans import STUDIES, study_variants
-from floeflow.studies.recommend import most_accurate, recommend
+from floeflow.studies.recommend import most_accurate, recommend, settings
 from floeflow.studies.share import link_shared, shared_files
 from floeflow.studies.variants import Variant, changed, run_name, variant_keys, write_variant
 
@@ -257,9 +261,75 @@ def test_the_ablation_lays_measured_beside_estimated():
     table = as_markdown(effect_table(study))
     assert table.index("ocean_drag") < table.index("wind") < table.index("tilt")
     assert "it flew away" in table
-    page = render_study("<A>", "lead", sentences(study, scene), [], [effect_table(study)])
+    page = render_study(Study("<A>", "lead", sentences(study, scene), [], [effect_table(study)]))
     assert "&lt;A&gt;" in page and "nan" not in page
     axes = ablation_figure(study).axes
     assert [t.get_text() for t in axes[0].get_yticklabels()][-1] == "ocean_drag"
     assert np.isfinite(axes[0].get_xlim()).all()
     json.dumps([knob.name for knob in knobs(scene)])
+
+
+def test_knobs_that_are_ways_start_from_the_most_accurate():
+    scene = load_scene(SMOKE)
+    found = {knob.name: knob for knob in knobs(scene)}
+    assert found["state_precision"].changes(2.0) == {"state.precision": "single"}
+    assert found["grid_transfer"].levels == (1.0, 2.0, 4.0, 8.0)
+    assert found["grid_transfer"].told(8.0) == "nearest"
+    assert found["step_share"].told(0.5) == "x 0.5"
+    assert "remap_order" not in found
+    rough = scene.model_copy(
+        update={
+            "effects": (*scene.effects, "remap"),
+            "remap": scene.remap.model_copy(update={"order": 1}),
+        }
+    )
+    order = next(knob for knob in knobs(rough) if knob.name == "remap_order")
+    assert order.levels == (0.5, 1.0) and order.changes(0.5) == {"remap.order": 2}
+
+
+def test_the_grid_norms_see_the_transfer(tmp_path: Path):
+    run = make_run(tmp_path / "results", windows=1)
+    scene = run.scene
+    mask = sea_mask(scene)
+    write_dataset(mask, run.folder / "preprocess/mask.nc")
+    records = {
+        name: {"name": scene.name, "changes": changes, "fault": ""}
+        for name, changes in (("base", {}), ("near", {"grid.transfer": "nearest"}))
+    }
+    found = Runs(scene, records, run.folder.parent).errors("base", "near")
+    assert found["sithick"] > 0 or found["siconc"] > 0
+    assert found["drift"] == found["volume"] == 0.0
+
+
+def sea_mask(scene: Scene) -> xr.Dataset:
+    """A mask grid without land."""
+    grid = scene_grid(scene.domain)
+    return xr.Dataset(
+        {
+            "land": (("y", "x"), np.zeros(grid.shape, np.int8)),
+            "cell_area": (("y", "x"), np.full(grid.shape, grid.spacing**2)),
+        },
+        coords={"y": grid.y, "x": grid.x},
+    )
+
+
+def test_settings_are_those_of_all_combinations_that_nothing_beats():
+    rng = np.random.default_rng(4)
+    names = ("a", "b", "c")
+    runs = [
+        Point(f"{knob}{k}", knob, 2.0**k, work, 1.0, 1.0, True, errors, errors)
+        for knob in names
+        for k in range(4)
+        for work, *values in [rng.uniform(0.01, 1.0, 1 + len(NORMS)).tolist()]
+        for errors in [dict(zip(NORMS, values, strict=True))]
+    ]
+    series = [[p for p in runs if p.knob == knob] for knob in names]
+    every = [
+        (max(math.hypot(*(p.errors[norm] for p in choice)) for norm in KEPT), choice)
+        for choice in itertools.product(*series)
+    ]
+    for target in (0.6, 0.9, 1.2):
+        found = recommend(runs, names, target)
+        best = min((math.prod(p.work for p in c) for e, c in every if e <= target), default=None)
+        assert (found and found.work) == (best and pytest.approx(best))
+    assert len(settings(runs, names)) < len(every)

@@ -28,16 +28,6 @@ SINGLE = 0.0625 + 0.0625
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory):
-    return make_run(tmp_path_factory.mktemp("run"))
-
-
-@pytest.fixture(scope="module")
-def states(run):
-    return [read_state(run.path("state", window)) for window in (0, *run.windows)]
-
-
-@pytest.fixture(scope="module")
 def frames(states):
     return make_frames(states)
 

@@ -12,12 +12,20 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import yaml
 
 PROJECT = Path(__file__).resolve().parents[2]
 # What a run reads of the project, by relative path.
 READ = ("data", "build", "config")
+# Nothing to read, and one text of all that is written.
+STREAMS: dict[str, Any] = {
+    "stdin": subprocess.DEVNULL,
+    "stdout": subprocess.PIPE,
+    "stderr": subprocess.STDOUT,
+    "text": True,
+}
 
 
 @dataclass
@@ -55,25 +63,11 @@ class Place:
 
     def run(self, scene: Path, *more: str, ranks: int = 2) -> subprocess.CompletedProcess[str]:
         """Run to the end; standard error is joined to standard output."""
-        return subprocess.run(
-            self.command(scene, ranks, *more),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            check=False,
-        )
+        return subprocess.run(self.command(scene, ranks, *more), check=False, **STREAMS)
 
-    def start(self, scene: Path, *more: str, ranks: int = 2) -> subprocess.Popen[str]:
+    def start(self, scene: Path, *more: str) -> subprocess.Popen[str]:
         """Start in a session of its own, so that all of it can be killed."""
-        return subprocess.Popen(
-            self.command(scene, ranks, *more),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
-        )
+        return subprocess.Popen(self.command(scene, 2, *more), start_new_session=True, **STREAMS)
 
     def results(self, name: str = "smoke") -> Path:
         """Results of a scene."""

@@ -16,6 +16,7 @@ rule ablation_page:
     output:
         page="results/{scene}/ablation.html",
         table="results/{scene}/ablation/ablation.table.json",
+        digest="results/{scene}/ablation/digest.json",
         figures=directory("results/{scene}/ablation/figures"),
     log:
         "results/{scene}/log/ablation.log",
@@ -26,6 +27,7 @@ rule ablation_page:
         runtime=10,
     params:
         scene_keys=keys_of("report"),
+        study_keys=keys_of(*STUDY_STAGES),
     message:
         "Ablation: real change and saving of each effect beside the estimate"
     script:

@@ -17,6 +17,7 @@ rule accuracy_page:
         page="results/{scene}/accuracy.html",
         data="results/{scene}/accuracy/accuracy.nc",
         table="results/{scene}/accuracy/accuracy.table.json",
+        digest="results/{scene}/accuracy/digest.json",
         figures=directory("results/{scene}/accuracy/figures"),
     log:
         "results/{scene}/log/accuracy.log",
@@ -27,6 +28,7 @@ rule accuracy_page:
         runtime=20,
     params:
         scene_keys=keys_of("report"),
+        study_keys=keys_of(*STUDY_STAGES),
     message:
         "Accuracy: error against cost, orders, recommendations"
     script:

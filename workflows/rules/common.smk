@@ -6,11 +6,14 @@ from pathlib import Path
 
 from floeflow.config import stage_hash
 from floeflow.frontdoor import PLUGIN, open_scene
+from floeflow.postprocess.digests import valid_digests
 from floeflow.studies.plans import STUDIES, study_variants
 
 RUN = open_scene(config, workflow)
 EFFECTS = RUN.scene.effects
 GRIDDED = "grid_output" in EFFECTS
+# Stages whose scene keys the runs of a study depend on.
+STUDY_STAGES = ("mask", "packing", "bonds", "dynamics", "column", "estimate")
 HARD_CASES_FOLDER = Path(workflow.basedir) / "tests/stability"
 HARD_CASES = sorted(
     path.stem.removeprefix("test_") for path in HARD_CASES_FOLDER.glob("test_*.py")
@@ -131,3 +134,8 @@ def ablation_records(wildcards):
 def accuracy_records(wildcards):
     """Records of all runs of the accuracy study."""
     return study_records("accuracy")
+
+
+def finished_studies(wildcards):
+    """Studies that the report shows: those that are there and hold for this scene."""
+    return valid_digests(Path(RUN.folder), keys_of(*STUDY_STAGES))

@@ -74,6 +74,7 @@ rule report:
         runtime=10,
     params:
         scene_keys=keys_of("report"),
+        studies=finished_studies,
     message:
         "Report: maps, series, budgets and cost of the scene"
     script:

@@ -41,6 +41,7 @@ rule stability_page:
     output:
         page="results/stability/stability.html",
         table="results/stability/table.md",
+        digest="results/stability/digest.json",
         figures=directory("results/stability/figures"),
     log:
         "results/stability/log/page.log",

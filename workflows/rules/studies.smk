@@ -20,7 +20,7 @@ rule variant:
         mem_mb=4000,
         runtime=240,
     params:
-        scene_keys=keys_of("mask", "packing", "bonds", "dynamics", "column", "estimate"),
+        scene_keys=keys_of(*STUDY_STAGES),
         variant=variant_text,
     message:
         "Study {wildcards.study}: {wildcards.variant}"

@@ -153,3 +153,8 @@ def each_step(data: xr.Dataset) -> Array:
     """Forcing of the elements of `starts`, packed, (1, time - 1, ...)."""
     values = {name: value[1:] for name, value in forcing(data).items()}
     return pack_forcing(values, 1, data.sizes["time"] - 1)
+
+
+def worst(ours: Array, theirs: Array) -> float:
+    """Largest difference."""
+    return float(np.abs(ours - theirs).max())

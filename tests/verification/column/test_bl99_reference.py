@@ -5,14 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, year
+from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, worst, year
 
 from floeflow.column.categories import category_bounds
 from floeflow.column.layered import ice_residual, sea_residual, step
-
-
-def worst(ours: np.ndarray, theirs: np.ndarray) -> float:
-    return float(np.abs(ours - theirs).max())
 
 
 def test_one_category_step_by_step(shared: Path) -> None:

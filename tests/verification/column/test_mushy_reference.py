@@ -4,16 +4,12 @@
 from pathlib import Path
 
 import numpy as np
-from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, year
+from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, worst, year
 
 from floeflow.column.categories import category_bounds
 from floeflow.column.layered import ice_residual, salt_residual, sea_residual, step, water_residual
 
 CASE = "mushy_n1_ccsm3"
-
-
-def worst(ours: np.ndarray, theirs: np.ndarray) -> float:
-    return float(np.abs(ours - theirs).max())
 
 
 def test_one_category_step_by_step(shared: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, year
+from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, worst, year
 
 from floeflow.column.categories import category_bounds
 from floeflow.column.layered import (
@@ -22,10 +22,6 @@ from floeflow.column.layered import (
 
 CASE = "mushy_n5_dEdd_pondlvl"
 POND = 1e-3  # m of water on the ice, from which on it counts as ponded
-
-
-def worst(ours: np.ndarray, theirs: np.ndarray) -> float:
-    return float(np.abs(ours - theirs).max())
 
 
 @pytest.mark.parametrize("month", ["winter", "summer"])

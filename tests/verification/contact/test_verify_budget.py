@@ -94,7 +94,9 @@ def test_energy_of_two_bodies_that_collide(log: Path, show) -> None:
         runs = [budget(log, two_bodies(), share, 100.0, exact) for share in shares]
         residuals = np.array([abs(run["residual"]) / run["before"] for run in runs])
         assert residuals[0] < 0.02
-        assert np.log2(residuals[0] / residuals[6]) / 6 >= 0.95 * order
+        # Each depends on where in a step the bodies meet: the order is that of all.
+        fitted = np.polyfit(np.log(shares[:7]), np.log(residuals[:7]), 1)[0]
+        assert fitted >= 0.95 * order
         lines[f"order {order}"] = (shares, residuals[0] * (shares / shares[0]) ** order)
         points[f"two bodies, {label}"] = (shares, residuals)
     assert residuals[-1] < 1e-6

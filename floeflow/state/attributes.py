@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Attributes that every state carries, and what they may say."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Hashable, Mapping
+from datetime import datetime
+
+from floeflow.effects import EFFECTS, SCHEME_STATE
+from floeflow.errors import FloeError
+
+# The column scheme of a state with thermodynamics; where it is missing, zero_layer.
+SCHEME_ATTRIBUTE, DEFAULT_SCHEME = "column_scheme", "zero_layer"
+_SCHEMES = {DEFAULT_SCHEME}.union(*SCHEME_STATE.values())
+
+# Attributes that every state carries, with their types.
+ATTRIBUTES: dict[str, type] = {
+    "schema_version": int,
+    "scene": str,
+    "effects": str,
+    "window": int,
+    "time": float,
+    "start": str,
+    "seed": int,
+    "crs": str,
+    "ocean_area": float,
+    "unclaimed_water": float,
+    "provenance": str,
+}
+
+
+def check_attributes(attrs: Mapping[Hashable, object]) -> tuple[tuple[str, ...], str]:
+    """Effects and column scheme of a state whose attributes are as they must be.
+
+    Raises
+    ------
+    FloeError
+        In one sentence, which names the first attribute at fault.
+    """
+    for name, kind in ATTRIBUTES.items():
+        value = attrs.get(name)
+        if not isinstance(value, kind):
+            raise FloeError(f"attribute '{name}' is missing or no {kind.__name__}")
+        if isinstance(value, float) and not math.isfinite(value):
+            raise FloeError(f"attribute '{name}' is {value}")
+    effects = tuple(str(attrs["effects"]).split())
+    for name in effects:
+        if name not in EFFECTS:
+            raise FloeError(f"attribute 'effects' names {name!r}, which is no effect")
+    scheme = attrs.get(SCHEME_ATTRIBUTE, DEFAULT_SCHEME)
+    if not (isinstance(scheme, str) and scheme in _SCHEMES):
+        raise FloeError(f"attribute '{SCHEME_ATTRIBUTE}' is {scheme!r}, which is no column scheme")
+    try:
+        datetime.fromisoformat(str(attrs["start"]))
+    except ValueError:
+        raise FloeError(f"attribute 'start' is {attrs['start']!r}, which is no time") from None
+    if not _is_json_object(str(attrs["provenance"])):
+        raise FloeError("attribute 'provenance' is no JSON object")
+    return effects, scheme
+
+
+def _is_json_object(text: str) -> bool:
+    try:
+        return isinstance(json.loads(text), dict)
+    except (ValueError, RecursionError):
+        return False

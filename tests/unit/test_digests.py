@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Studies in the report: those that are there and hold for the scene as it is, and no others."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from floeflow.postprocess.digests import read_digest, valid_digests
+from floeflow.studies.page import Study, Table, draw, write_study
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A scene's results with an ablation of the keys "now"."""
+    place = tmp_path / "scene"
+    figure = Figure()
+    figure.subplots().plot([1, 2])
+    drawings = [draw(place / "ablation/figures", "shares", "A <figure>.", figure)]
+    table = Table("Effects", ("effect", "share (%)"), [["wind", 12.3456]])
+    more = Table("All", ("run",), [["base"]])
+    study = Study("Ablation of <X>", "Lead.", ["Said."], drawings, [table], (), [more])
+    write_study(study, place / "ablation.html", place / "ablation/digest.json", "now")
+    return place
+
+
+def test_a_study_of_the_scene_as_it_is_is_shown(folder: Path):
+    path = folder / "ablation/digest.json"
+    found = valid_digests(folder, "now")
+    assert list(found) == [str(path)]
+    digest = read_digest(path)
+    assert digest["tables"][0]["rows"] == [["wind", "12.3"]]
+    assert len(digest["tables"]) == 1  # the others stand on the page alone
+    assert "All" in (folder / "ablation.html").read_text()
+
+
+def test_a_study_of_other_keys_is_not(folder: Path):
+    assert valid_digests(folder, "then") == {}
+
+
+def test_hard_cases_hold_for_any_scene(folder: Path):
+    path = folder.parent / "stability/digest.json"
+    write_study(Study("Hard cases", "", [], [], []), folder / "s.html", path, "")
+    assert str(path) in valid_digests(folder, "then")
+
+
+def test_a_new_study_changes_what_the_report_depends_on(folder: Path):
+    before = valid_digests(folder, "now")
+    path = folder / "ablation/digest.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "lead": "Other."}))
+    after = valid_digests(folder, "now")
+    assert before.keys() == after.keys() and before != after
+
+
+@pytest.mark.parametrize("text", ["", "[1]", "{"])
+def test_a_damaged_digest_is_not_shown(folder: Path, text: str):
+    (folder / "ablation/digest.json").write_text(text)
+    assert valid_digests(folder, "now") == {}
