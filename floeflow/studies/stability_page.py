@@ -16,7 +16,7 @@ LEAD = (
     "is hard and what must hold in it is told in docs/stability.md."
 )
 Shown = dict[str, Any]
-ENDS = ("passed", "skipped", "failed")
+ENDS = ("passed", "skipped", "expected failure", "failed")
 
 
 def case_table(shown: list[Shown]) -> Table:
