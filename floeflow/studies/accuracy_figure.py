@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from floeflow.postprocess.figures.style import (
     BLUE,
@@ -91,6 +92,9 @@ def accuracy_figure(study: Accuracy, norm: str) -> Figure:
             )
         axes.set_xscale("log")
         axes.set_yscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
         chaos = study.chaos.get(norm, 0.0)
         if chaos > LEAST:
             axes.axhspan(
