@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """One run of a study: the scene with some keys changed, run, and compared with the base run."""
 
-import json
 import logging
 import math
 from dataclasses import asdict
@@ -70,12 +69,6 @@ def run_variant(path: Path, scene: Scene, study: str, variant: Variant) -> dict[
         "cpu_seconds": outcome.cpu_seconds,
         "results": found,
     }
-
-
-def read_record(path: Path) -> dict[str, Any]:
-    """Read a variant's record."""
-    record: dict[str, Any] = json.loads(path.read_text())
-    return record
 
 
 def main(snakemake: stage.Snakemake) -> None:

@@ -20,7 +20,6 @@ from floeflow.preprocess import analytic, forcing
 
 ALL = ("wind", "ocean_drag", "coriolis", "tilt", "thermodynamics", "snow", "shortwave")
 DOMAIN = {"x_min": -1.6e6, "x_max": -1.2e6, "y_min": 0.8e6, "y_max": 1.2e6, "spacing": 1e5}
-MIDDLE = (2, 5, 40)  # time, lat, lon: seen by the scene
 
 
 @pytest.fixture(scope="module")

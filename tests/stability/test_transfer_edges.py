@@ -34,7 +34,6 @@ FIELDS = (
     Field("temperature", "intensive", "volume"),
 )
 GRID = Grid(np.arange(6.0), np.arange(5.0))
-OUTER = (-0.5, 5.5, -0.5, 4.5)
 SEED = 6
 
 
