@@ -31,8 +31,9 @@ test: setup lint ## set up, then run lint and every test but the slow ones
 verification: setup ## compare with theory and references at length, draw docs/images/verification
 	.venv/bin/python -m pytest -m verification --figures tests/verification
 
-stability: setup ## run the hard cases at length: results/stability/stability.html
+stability: setup ## run the hard cases at length: results/stability/stability.html, docs/hard_cases.md
 	.venv/bin/snakemake --profile workflows/profiles/local --keep-going -- stability
+	.venv/bin/python -m floeflow.studies.hard_cases
 
 fuzz: setup ## fuzz the reader of states for FUZZ_SECONDS=300, what breaks it lands in results/fuzz
 	@for target in bytes fields; do .venv/bin/python tests/stability/fuzz_state.py $$target \

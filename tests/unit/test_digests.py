@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
+from floeflow.errors import FloeError
 from floeflow.postprocess.digests import read_digest, valid_digests
+from floeflow.studies.hard_cases import write_document
 from floeflow.studies.page import Study, Table, draw, write_study
 
 
@@ -45,6 +47,18 @@ def test_hard_cases_hold_for_any_scene(folder: Path):
     path = folder.parent / "stability/digest.json"
     write_study(Study("Hard cases", "", [], [], []), folder / "s.html", path, "")
     assert str(path) in valid_digests(folder, "then")
+
+
+def test_hard_cases_become_a_document(folder: Path):
+    page, images = folder / "docs/cases.md", folder / "docs/images"
+    with pytest.raises(FloeError, match="were not run"):
+        write_document(folder / "none", page, images)
+    (folder / "ablation/table.md").write_text("| wind |")
+    write_document(folder / "ablation", page, images)
+    text = page.read_text()
+    assert "- Said." in text and "| wind | 12.3 |" in text and text.endswith("| wind |")
+    assert "![shares](images/shares.png)" in text
+    assert (images / "shares.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_new_study_changes_what_the_report_depends_on(folder: Path):
