@@ -18,12 +18,13 @@ from floeflow.config import Scene, load_scene
 from floeflow.errors import FloeError
 from floeflow.estimate.conditions import conditions
 from floeflow.estimate.cost import coefficients, run_seconds
+from floeflow.plan.pack import fitted_to_pack
 from floeflow.plan.precision import error_model, knob_errors, total_error
 from floeflow.state import read_dataset
 from floeflow.studies.accuracy_table import REFERENCE
 from floeflow.studies.compare import read_ends
 from floeflow.studies.measures import KEPT
-from floeflow.studies.nested import Outcome, read_outcome, run_scene
+from floeflow.studies.nested import Outcome, read_outcome, run_scene, targets
 from floeflow.studies.norms import errors, on_grid, relative
 from floeflow.studies.plans import study_variants
 from floeflow.studies.share import link_shared
@@ -34,16 +35,18 @@ RANKS = {"beaufort_more": 1, "loose_floes": 2, "kara_ridges": 1}
 
 
 def run(path: Path, scene: Scene, ranks: int) -> dict[str, tuple[Scene, Outcome]]:
-    """Run a held-out scene as it stands and at its finest."""
-    found: dict[str, tuple[Scene, Outcome]] = {}
+    """Run a held-out scene as it stands, to its report, and at its finest."""
     folder = Path("results") / scene.name / "accuracy"
-    for name in (BASE, REFERENCE):
-        file = folder / "scenes" / f"{name}.yaml"
-        variant = study_variants("accuracy", scene)[name]
-        own = write_variant(variant_keys(path, scene, "accuracy", variant), file)
+    file = folder / "scenes" / f"{REFERENCE}.yaml"
+    variant = study_variants("accuracy", scene)[REFERENCE]
+    finest = write_variant(variant_keys(path, scene, "accuracy", variant), file)
+    found: dict[str, tuple[Scene, Outcome]] = {}
+    for name, source, own in ((BASE, path, scene), (REFERENCE, file, finest)):
         if name == REFERENCE:
-            link_shared(found[BASE][0], own)
-        fault = run_scene(file, own, folder / "log" / f"{name}.workflow.log", ranks)
+            link_shared(scene, own)
+        log = folder / "log" / f"{name}.workflow.log"
+        wanted = [f"results/{scene.name}/report.html"] if name == BASE else targets(own)
+        fault = run_scene(source, own, log, ranks, wanted)
         if fault:
             raise FloeError(f"{own.name}: {fault}")
         found[name] = own, read_outcome(own, fault)
@@ -84,6 +87,7 @@ def compare(path: Path) -> Row:
     """Predicted and measured time and errors of a held-out scene."""
     scene, ranks = load_scene(path), RANKS[path.stem]
     c = conditions(scene)
+    fit = fitted_to_pack(scene, c, coefficients())
     runs = run(path, scene, ranks)
     own, outcome = runs[BASE]
     by_knob = knob_errors(scene, c, error_model())
@@ -94,7 +98,7 @@ def compare(path: Path) -> Row:
         ranks,
         outcome,
         seconds_of(own),
-        run_seconds(c, own, own.effects, ranks, coefficients()),
+        run_seconds(c, own, own.effects, ranks, fit),
         measured_errors(scene, runs),
         guess,
     )

@@ -136,8 +136,9 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
     effects = tuple(effects)
     switched = [e for e in effects if plugin_switches((e,)) and (e != "bonds" or s.bonded)]
     a_step = fit["dynamics"] + sum(fit.get(f"dynamics_{name}", 0.0) for name in switched)
-    jobs = {"mask": 1, "packing": 1, "initial": 1, "forcing": s.forcing_jobs, "report": 2}
+    jobs = {"mask": 1, "packing": 1, "initial": 1, "forcing": s.forcing_jobs}
     seconds = {name: count * fit["job"] for name, count in jobs.items()}
+    seconds["report"] = fit["report"]
     seconds["mask"] += fit["mask_per_cell"] * s.mask_cells
     seconds["packing"] += fit["packing_per_element"] * s.elements
     seconds["forcing"] += fit["forcing_per_cell"] * s.cells * s.windows

@@ -12,6 +12,7 @@ from floeflow.config import load_scene
 from floeflow.errors import FloeError
 from floeflow.estimate.conditions import conditions
 from floeflow.estimate.cost import COSTS, coefficients
+from floeflow.plan.pack import fitted_to_pack
 from floeflow.plan.precision import PRECISION, error_model
 from floeflow.plan.propose import Proposal, for_budget, for_error, parse_budget, proposals
 
@@ -49,7 +50,9 @@ def _plan(given: argparse.Namespace) -> str:
     if given.ranks < 1:
         raise FloeError(f"--ranks {given.ranks}: one rank at least")
     scene = load_scene(given.scene)
-    found = proposals(scene, conditions(scene), given.ranks, coefficients(), error_model())
+    c = conditions(scene)
+    fit = fitted_to_pack(scene, c, coefficients())
+    found = proposals(scene, c, given.ranks, fit, error_model())
     own = found[0]
     if given.error is not None:
         if not given.error > 0:

@@ -21,7 +21,12 @@ from floeflow.errors import FloeError
 from floeflow.estimate.conditions import Conditions, conditions
 from floeflow.estimate.cost import bonded, forcing_jobs
 from floeflow.plan.propose import adjusted
+from floeflow.postprocess.collect import read_grid
+from floeflow.studies.nested import stage_cpu
 from floeflow.studies.variants import BASE
+
+# Stages after the windows that every whole run has.
+AFTER = ("estimate", "diagnostics", "report")
 
 
 @dataclass(frozen=True)
@@ -76,6 +81,30 @@ def fit_costs(runs: Sequence[Run], old: Mapping[str, float]) -> dict[str, float]
         **_fit_steps(runs),
         **_fit_coast(runs),
     }
+
+
+def fit_whole_runs(results: Path, job: float) -> dict[str, float]:
+    """Coefficients of stages that studies leave out, from whole runs: report, grid and land.
+
+    Parameters
+    ----------
+    results : Path
+        ``results``, with whole runs as ``<scene>/report.html`` and their logs.
+    job : float
+        Seconds of a job that does next to nothing.
+    """
+    found: dict[str, list[float]] = {"report": [], "land": [], "grid_per_cell": []}
+    for page in sorted(results.glob("*/report.html")):
+        cpu = stage_cpu(page.parent / "log")
+        found["report"].append(sum(cpu.get(name, 0.0) for name in AFTER))
+        if "land" in cpu:
+            found["land"].append(cpu["land"])
+        grids = sorted((page.parent / "grid").glob("*.nc"))
+        if grids and "grid" in cpu:
+            sizes = read_grid(grids[0]).sizes
+            slope = (cpu["grid"] / len(grids) - job) / (sizes["x"] * sizes["y"])
+            found["grid_per_cell"].append(max(0.0, slope))
+    return {name: median(values) for name, values in found.items() if values}
 
 
 def _solve(rows: list[list[float]], values: list[float]) -> np.ndarray:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from floeflow.bench import machine
 from floeflow.errors import FloeError
-from floeflow.plan.fit_costs import fit_costs, read_runs
+from floeflow.plan.fit_costs import fit_costs, fit_whole_runs, read_runs
 from floeflow.plan.fit_errors import fit_choices, fit_laws, read_studies
 from floeflow.studies.variants import BASE
 
@@ -32,6 +32,7 @@ def refit(results: Path, costs: Path, precision: Path) -> list[str]:
     names = [folder.relative_to(results).as_posix() for folder in folders]
     old = json.loads(costs.read_text())["seconds"]
     fitted = fit_costs(read_runs(folders), old)
+    fitted |= fit_whole_runs(results, fitted["job"])
     studies = read_studies(folders)
     errors = {"errors": fit_laws(studies), "choices": fit_choices(studies)}
     head = {"machine": machine(), "fitted_from": names}

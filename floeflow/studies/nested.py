@@ -12,7 +12,7 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -74,7 +74,9 @@ def targets(scene: Scene) -> list[str]:
     return wanted
 
 
-def run_scene(path: Path, scene: Scene, log: Path, ranks: int = 1) -> str:
+def run_scene(
+    path: Path, scene: Scene, log: Path, ranks: int = 1, wanted: Sequence[str] = ()
+) -> str:
     """Run a scene's workflow up to its targets, on one core where it has one rank.
 
     Returns
@@ -89,7 +91,7 @@ def run_scene(path: Path, scene: Scene, log: Path, ranks: int = 1) -> str:
     """
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
     command += ["--cores", str(ranks), "--rerun-incomplete", "--set-threads", f"window={ranks}"]
-    command += ["--config", f"scene={path}", "--", *targets(scene)]
+    command += ["--config", f"scene={path}", "--", *(wanted or targets(scene))]
     log.parent.mkdir(parents=True, exist_ok=True)
     with open(log, "w") as out:
         done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=out, stderr=out)
@@ -105,17 +107,24 @@ def read_outcome(scene: Scene, fault: str, results: Path = Path("results")) -> O
     """What a variant's stages and windows cost, from their logs and cost files."""
     folder = results / scene.name
     outcome = Outcome(scene.name, fault)
-    for log in sorted((folder / "log").rglob("*.log")):
-        found = re.findall(rf"{CPU_LINE}([0-9.]+) s$", log.read_text(errors="replace"), re.M)
-        if found:
-            stage = log.relative_to(folder / "log").parts[0].removesuffix(".log")
-            outcome.cpu[stage] = outcome.cpu.get(stage, 0.0) + float(found[-1])
+    outcome.cpu = stage_cpu(folder / "log")
     for path in sorted((folder / "cost").glob("*.json")):
         _add_window(outcome, json.loads(path.read_text()))
     inside = sum(outcome.cpu.get(part, 0.0) for part in ("dynamics", "column"))
     if "window" in outcome.cpu:
         outcome.cpu["window"] = max(0.0, outcome.cpu["window"] - inside)
     return outcome
+
+
+def stage_cpu(folder: Path) -> dict[str, float]:
+    """CPU seconds of the stages of a run, from its folder of logs."""
+    cpu: dict[str, float] = {}
+    for log in sorted(folder.rglob("*.log")):
+        found = re.findall(rf"{CPU_LINE}([0-9.]+) s$", log.read_text(errors="replace"), re.M)
+        if found:
+            stage = log.relative_to(folder).parts[0].removesuffix(".log")
+            cpu[stage] = cpu.get(stage, 0.0) + float(found[-1])
+    return cpu
 
 
 def _add_window(outcome: Outcome, records: list[Mapping[str, Any]]) -> None:

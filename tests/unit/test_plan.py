@@ -11,14 +11,24 @@ import xarray as xr
 
 from floeflow.config import Scene, load_scene
 from floeflow.config.load import build_scene, read_keys
+from floeflow.dynamics.elements import element_arrays, pair_arrays
+from floeflow.dynamics.motion import engine_params
+from floeflow.dynamics.timestep import critical_step
 from floeflow.errors import FloeError
+from floeflow.estimate import cost
 from floeflow.estimate.conditions import Conditions, conditions
 from floeflow.estimate.cost import WORK, coefficients, run_seconds, sizes, stage_seconds
 from floeflow.plan.__main__ import as_time, main
-from floeflow.plan.fit_costs import Run, fit_costs, read_runs
+from floeflow.plan.fit_costs import Run, fit_costs, fit_whole_runs, read_runs
 from floeflow.plan.fit_errors import Study, fit_choices, fit_laws
+from floeflow.plan.pack import fitted_to_pack
 from floeflow.plan.precision import ErrorModel, error_model, knob_errors, resolutions, total_error
 from floeflow.plan.propose import adjusted, for_budget, for_error, parse_budget, proposals
+from floeflow.preprocess.bonds import make_bonds
+from floeflow.preprocess.initial import make_state
+from floeflow.preprocess.mask import make_mask
+from floeflow.preprocess.packing import make_packing
+from floeflow.stage import CPU_LINE
 from floeflow.studies.knobs import knobs
 from floeflow.studies.variants import changed
 
@@ -143,6 +153,38 @@ def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions
     assert found["launch"] == pytest.approx(1.0, rel=0.05)
     # Samples cut the step a little.
     assert found["step_bonds"] == pytest.approx(truth["step_bonds"], rel=0.05)
+
+
+def test_a_plan_knows_the_step_of_the_scenes_own_pack(scene: Scene, c: Conditions):
+    keys = changed(scene.model_dump(mode="json"), {"mask.land": "mask", "packing.elements": 60})
+    small = build_scene(keys)
+    fit = fitted_to_pack(small, c, coefficients())
+    own = adjusted(c, small)
+    mask = make_mask(small, None)
+    packing = make_packing(mask, small.packing, small.seed, True)
+    state = make_state(small, packing, make_bonds(packing, small.packing.bond_gap, 0.8, False))
+    elements = element_arrays(state, small.dynamics.minimum_thickness)
+    step = critical_step(elements, pair_arrays(state, "bond"), engine_params(small))[0]
+    assert cost.critical_step(own, small, small.effects, fit) == pytest.approx(step, rel=1e-12)
+    assert sizes(own, small, small.effects, fit).elements == pytest.approx(
+        len(elements["id"]), 0.02
+    )
+
+
+def test_reports_and_grids_are_timed_by_whole_runs(tmp_path: Path):
+    run = tmp_path / "one"
+    (run / "log/grid").mkdir(parents=True)
+    (run / "grid").mkdir()
+    (run / "report.html").write_text("")
+    stages = {"estimate": 1.0, "diagnostics": 2.0, "report": 4.0, "land": 3.0}
+    for name, seconds in stages.items() | {("grid/0000", 1.5), ("grid/0001", 2.5)}:
+        (run / f"log/{name}.log").write_text(f"x {CPU_LINE}{seconds} s\n")
+    grid = xr.Dataset({"siconc": (("y", "x"), np.zeros((4, 5)))}, {"x": range(5), "y": range(4)})
+    for window in range(2):
+        grid.to_netcdf(run / f"grid/{window:04d}.nc")
+    found = fit_whole_runs(tmp_path, job=1.0)
+    assert found == {"report": 7.0, "land": 3.0, "grid_per_cell": pytest.approx(0.05)}
+    assert fit_whole_runs(tmp_path / "none", job=1.0) == {}
 
 
 def made_study(scene: Scene, laws: dict[str, float], ways: dict[str, float]) -> Study:

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ranks_cases import CASES
+from verdict_cases import CASES
 
 from floeflow.mpi import mpi_environment
 
@@ -33,7 +33,7 @@ def judged(ranks: int, folder: Path) -> dict[str, Any]:
     folder.mkdir()
     paths = [str(HERE), str(HERE.parent / "unit"), os.environ.get("PYTHONPATH", "")]
     done = subprocess.run(
-        ["mpirun", "-n", str(ranks), sys.executable, str(HERE / "ranks_cases.py"), str(folder)],
+        ["mpirun", "-n", str(ranks), sys.executable, str(HERE / "verdict_cases.py"), str(folder)],
         env=mpi_environment() | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
         capture_output=True,
         text=True,
