@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Run by test_ranks.py under mpirun: a small form of each hard case, and its verdict as JSON.
+"""Run by test_verdicts.py under mpirun: a small form of each hard case, and its verdict as JSON.
 
 ``exact`` must be the same on any number of ranks, ``close`` to a millionth; what chaotic packs do
 later is neither, so they say only whether they kept to what must hold.
