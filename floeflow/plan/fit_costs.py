@@ -83,23 +83,23 @@ def fit_costs(runs: Sequence[Run], old: Mapping[str, float]) -> dict[str, float]
     }
 
 
-def fit_whole_runs(results: Path, job: float) -> dict[str, float]:
+def fit_whole_runs(folders: Iterable[Path], job: float) -> dict[str, float]:
     """Coefficients of stages that studies leave out, from whole runs: report, grid and land.
 
     Parameters
     ----------
-    results : Path
-        ``results``, with whole runs as ``<scene>/report.html`` and their logs.
+    folders : iterable of Path
+        ``results/<scene>`` of whole runs, with their logs.
     job : float
         Seconds of a job that does next to nothing.
     """
     found: dict[str, list[float]] = {"report": [], "land": [], "grid_per_cell": []}
-    for page in sorted(results.glob("*/report.html")):
-        cpu = stage_cpu(page.parent / "log")
+    for folder in folders:
+        cpu = stage_cpu(folder / "log")
         found["report"].append(sum(cpu.get(name, 0.0) for name in AFTER))
         if "land" in cpu:
             found["land"].append(cpu["land"])
-        grids = sorted((page.parent / "grid").glob("*.nc"))
+        grids = sorted((folder / "grid").glob("*.nc"))
         if grids and "grid" in cpu:
             sizes = read_grid(grids[0]).sizes
             slope = (cpu["grid"] / len(grids) - job) / (sizes["x"] * sizes["y"])

@@ -7,10 +7,16 @@ import json
 from pathlib import Path
 
 from floeflow.bench import machine
+from floeflow.config.docs import PROJECT
 from floeflow.errors import FloeError
 from floeflow.plan.fit_costs import fit_costs, fit_whole_runs, read_runs
 from floeflow.plan.fit_errors import fit_choices, fit_laws, read_studies
 from floeflow.studies.variants import BASE
+
+
+def held_out() -> set[str]:
+    """Scenes that only test the models."""
+    return {path.stem for path in (PROJECT / "benchmarks/held_out").glob("*.yaml")}
 
 
 def refit(results: Path, costs: Path, precision: Path) -> list[str]:
@@ -26,15 +32,18 @@ def refit(results: Path, costs: Path, precision: Path) -> list[str]:
     FloeError
         Where there is no study.
     """
-    folders = sorted(p.parent.parent for p in results.glob(f"*/*/scenes/{BASE}.yaml"))
+    studies = sorted(p.parent.parent for p in results.glob(f"*/*/scenes/{BASE}.yaml"))
+    folders = [folder for folder in studies if folder.parent.name not in held_out()]
     if not folders:
         raise FloeError(f"{results}: there is no study to fit to; run 'ablation' and 'accuracy'")
     names = [folder.relative_to(results).as_posix() for folder in folders]
     old = json.loads(costs.read_text())["seconds"]
     fitted = fit_costs(read_runs(folders), old)
-    fitted |= fit_whole_runs(results, fitted["job"])
-    studies = read_studies(folders)
-    errors = {"errors": fit_laws(studies), "choices": fit_choices(studies)}
+    whole = [page.parent for page in results.glob("*/report.html")]
+    whole = [folder for folder in sorted(whole) if folder.name not in held_out()]
+    fitted |= fit_whole_runs(whole, fitted["job"])
+    made = read_studies(folders)
+    errors = {"errors": fit_laws(made), "choices": fit_choices(made)}
     head = {"machine": machine(), "fitted_from": names}
     costs.write_text(json.dumps({**head, "seconds": fitted}, indent=1) + "\n")
     precision.write_text(json.dumps({**head, **errors}, indent=1) + "\n")

@@ -24,6 +24,7 @@ from floeflow.plan.fit_errors import Study, fit_choices, fit_laws
 from floeflow.plan.pack import fitted_to_pack
 from floeflow.plan.precision import ErrorModel, error_model, knob_errors, resolutions, total_error
 from floeflow.plan.propose import adjusted, for_budget, for_error, parse_budget, proposals
+from floeflow.plan.refit import held_out, refit
 from floeflow.preprocess.bonds import make_bonds
 from floeflow.preprocess.initial import make_state
 from floeflow.preprocess.mask import make_mask
@@ -175,16 +176,15 @@ def test_reports_and_grids_are_timed_by_whole_runs(tmp_path: Path):
     run = tmp_path / "one"
     (run / "log/grid").mkdir(parents=True)
     (run / "grid").mkdir()
-    (run / "report.html").write_text("")
     stages = {"estimate": 1.0, "diagnostics": 2.0, "report": 4.0, "land": 3.0}
     for name, seconds in stages.items() | {("grid/0000", 1.5), ("grid/0001", 2.5)}:
         (run / f"log/{name}.log").write_text(f"x {CPU_LINE}{seconds} s\n")
     grid = xr.Dataset({"siconc": (("y", "x"), np.zeros((4, 5)))}, {"x": range(5), "y": range(4)})
     for window in range(2):
         grid.to_netcdf(run / f"grid/{window:04d}.nc")
-    found = fit_whole_runs(tmp_path, job=1.0)
+    found = fit_whole_runs([run], job=1.0)
     assert found == {"report": 7.0, "land": 3.0, "grid_per_cell": pytest.approx(0.05)}
-    assert fit_whole_runs(tmp_path / "none", job=1.0) == {}
+    assert fit_whole_runs([], job=1.0) == {}
 
 
 def made_study(scene: Scene, laws: dict[str, float], ways: dict[str, float]) -> Study:
@@ -234,6 +234,15 @@ def test_a_choice_has_its_own_error_and_the_best_has_none(scene: Scene, c: Condi
         return knob_errors(other, c, MODEL)["column_scheme"].get("volume", 0.0)
 
     assert [error(name) for name in ("mushy", "bl99", "zero_layer")] == [0.0, 0.1, 0.2]
+
+
+def test_held_out_scenes_are_not_fitted_to(tmp_path: Path):
+    name = sorted(held_out())[0]
+    base = tmp_path / name / "accuracy/scenes/base.yaml"
+    base.parent.mkdir(parents=True)
+    base.write_text("")
+    with pytest.raises(FloeError, match="there is no study to fit to"):
+        refit(tmp_path, tmp_path / "costs.json", tmp_path / "precision.json")
 
 
 def test_a_folder_without_a_study_is_refused(tmp_path: Path):
