@@ -12,12 +12,13 @@ from floeflow.config import Scene
 from floeflow.postprocess.diagnostics import write_json
 from floeflow.state import write_dataset
 from floeflow.studies.accuracy_figure import accuracy_figure
+from floeflow.studies.accuracy_plan import KEPT as SAME
 from floeflow.studies.accuracy_plan import TOGETHER
 from floeflow.studies.accuracy_table import Accuracy, analyse, as_dataset
 from floeflow.studies.knobs import knobs
 from floeflow.studies.measures import KEPT, NORMS
 from floeflow.studies.page import Study, Table, draw, write_study
-from floeflow.studies.recommend import Setting, most_accurate, recommend
+from floeflow.studies.recommend import Setting, most_accurate, quieted, recommend
 
 LEAD = (
     "Each knob was varied alone, and all together; the error of a knob's runs is against the limit "
@@ -27,30 +28,41 @@ LEAD = (
 TARGETS = (0.01, 0.05, 0.2)
 
 
-def recommendations(study: Accuracy, scene: Scene) -> dict[float, Setting | None]:
-    """Cheapest setting for each target error."""
-    names = [knob.name for knob in knobs(scene)]
-    return {target: recommend(study.points, names, target) for target in TARGETS}
+def recommendations(study: Accuracy, scene: Scene) -> list[tuple[float, bool, Setting | None]]:
+    """Cheapest setting for each target error: of all knobs, and with the scene's own elements.
+
+    Where a pack breaks, elements of another size break elsewhere: no size then keeps the error.
+    """
+    points = quieted(study.points, study.noise)
+    every = [knob.name for knob in knobs(scene)]
+    kept = [name for name in every if name not in SAME]
+    return [
+        (target, names is kept, recommend(points, names, target))
+        for names in (every, kept)
+        for target in TARGETS
+    ]
 
 
 def recommendation_table(study: Accuracy, scene: Scene) -> Table:
     """Settings for 1, 5 and 20 % error."""
     turned = knobs(scene)
-    names = [knob.name for knob in turned]
+    points = quieted(study.points, study.noise)
     rows = []
-    for target, setting in recommendations(study, scene).items():
+    for target, same, setting in recommendations(study, scene):
+        names = [knob.name for knob in turned if not (same and knob.name in SAME)]
+        elements = "the scene's" if same else "any"
         if setting is None:
-            best = most_accurate(study.points, names, math.inf)
+            best = most_accurate(points, names, math.inf)
             least = f"least {100 * best.error:.2g}" if best else "none"
-            rows.append([100 * target, least, "", *[""] * len(names)])
+            rows.append([100 * target, elements, least, "", *[""] * len(turned)])
         else:
             levels = [knob.told(setting.levels.get(knob.name, 1.0)) for knob in turned]
-            rows.append([100 * target, 100 * setting.error, setting.work, *levels])
+            rows.append([100 * target, elements, 100 * setting.error, setting.work, *levels])
     note = (
         "Levels are factors by which a knob is coarser (above 1) or finer than in the scene; error "
-        f"is the largest of {', '.join(KEPT)}."
+        f"is the largest of {', '.join(KEPT)}; with the scene's elements, that of all other knobs."
     )
-    head = ("wanted (%)", "predicted (%)", "work", *names)
+    head = ("wanted (%)", "elements", "predicted (%)", "work", *(knob.name for knob in turned))
     return Table("Cheapest setting for an error", head, rows, note)
 
 
@@ -93,10 +105,14 @@ def main(snakemake: stage.Snakemake) -> None:
     records = [json.loads(Path(path).read_text()) for path in snakemake.input.records]
     study = analyse(scene, records)
     write_dataset(as_dataset(study, scene), snakemake.output.data)
-    chosen = {
-        f"{target:g}": setting and {**asdict(setting), "levels": dict(setting.levels)}
-        for target, setting in recommendations(study, scene).items()
-    }
+    chosen = [
+        {
+            "wanted": target,
+            "same_elements": same,
+            "setting": setting and {**asdict(setting), "levels": dict(setting.levels)},
+        }
+        for target, same, setting in recommendations(study, scene)
+    ]
     orders = [asdict(row) for row in study.orders]
     write_json(
         {"recommended": chosen, "orders": orders, "chaos": dict(study.chaos)},

@@ -34,7 +34,7 @@ from floeflow.studies.nested import read_outcome
 from floeflow.studies.orders import observed_order, with_tail
 from floeflow.studies.page import Study, as_markdown, render_study
 from floeflow.studies.plans import STUDIES, study_variants
-from floeflow.studies.recommend import most_accurate, recommend, settings
+from floeflow.studies.recommend import most_accurate, quieted, recommend, settings
 from floeflow.studies.share import link_shared, shared_files
 from floeflow.studies.variants import Variant, changed, run_name, variant_keys, write_variant
 
@@ -220,9 +220,25 @@ def test_figures_and_tables_of_an_accuracy_study():
     assert data.sizes == {"point": 8, "norm": len(NORMS)}
     assert int(data["stable"].sum()) == 7
     rows = recommendation_table(study, scene).rows
-    assert [row[0] for row in rows] == [1.0, 5.0, 20.0]
+    assert [row[0] for row in rows] == [1.0, 5.0, 20.0] * 2
+    assert [row[1] for row in rows] == ["any"] * 3 + ["the scene's"] * 3
     # 5 % is the finest of either knob; 20 % is had for less than the default's work.
-    assert str(rows[0][1]).startswith("least 5.1") and float(rows[2][2]) < 1.0
+    assert str(rows[0][2]).startswith("least 5.1") and float(rows[2][3]) < 1.0
+
+
+def test_what_is_neither_cheaper_nor_better_is_not_recommended():
+    def at(level: float, work: float, error: float) -> Point:
+        errors = dict.fromkeys(KEPT, error)
+        return Point(f"a{level}", "a", level, work, 1.0, 1.0, True, errors, errors)
+
+    # Two levels within the clock's noise of the default, one cheaper beyond it.
+    runs = [at(4.0, 0.97, 0.1), at(1.0, 1.03, 0.1), at(2.0, 0.98, 0.05), at(8.0, 0.6, 0.3)]
+    for target, level in ((0.01, None), (0.05, 2.0), (0.2, 2.0), (0.3, 8.0)):
+        found = recommend(quieted(runs, 0.05), ["a"], target)
+        assert (found and found.levels["a"]) == level
+    same = [at(4.0, 0.97, 0.1), at(1.0, 1.03, 0.1)]
+    found = recommend(quieted(same, 0.05), ["a"], 0.2)
+    assert found is not None and found.levels["a"] == 1.0
 
 
 def record(name: str, group: str, drift: float, cpu: float, fault: str = "") -> dict:
