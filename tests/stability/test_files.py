@@ -79,7 +79,7 @@ def run_python(
     )
 
 
-@pytest.mark.parametrize(("target", "runs"), [("bytes", 500), ("fields", 200)])
+@pytest.mark.parametrize(("target", "runs"), [("bytes", 500), ("fields", 400)])
 def test_a_guided_fuzzer_breaks_no_reader(target: str, runs: int, tmp_path: Path, record):
     """Inputs that atheris tries, guided by the code they reach; `make fuzz` goes on for longer."""
     pytest.importorskip("atheris", reason="atheris has no wheel for this Python or platform")
@@ -93,9 +93,11 @@ def test_a_guided_fuzzer_breaks_no_reader(target: str, runs: int, tmp_path: Path
     )
     assert done.returncode == 0, done.stdout + done.stderr
     reached = [int(n) for n in re.findall(r"cov: (\d+)", done.stderr)]
-    assert f"Done {runs} runs" in done.stderr
+    # All seeds are run, be they more than asked for.
+    ran = int(re.findall(r"^Done (\d+) runs", done.stderr, re.M)[0])
+    assert ran >= runs
     assert reached[-1] > 50, "the reader is not instrumented"
-    record(runs=runs, lines_reached=reached[-1])
+    record(runs=ran, lines_reached=reached[-1])
 
 
 _SMALL_DISK = """
