@@ -32,11 +32,12 @@ class Table:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure as it goes into the page."""
+    """A figure as it goes into the page, and into the report over its whole width."""
 
     name: str
     caption: str
     uri: str
+    wide: bool = True
 
 
 def draw(folder: Path, name: str, caption: str, figure: Figure) -> Drawing:

@@ -86,14 +86,14 @@ def _panel(
 
 def residual_figure(residuals: Mapping[str, float]) -> Figure:
     """Energy not accounted for in each test that has a budget, on a logarithmic axis."""
-    figure, axes = plt.subplots(figsize=(7.5, 1.2 + 0.24 * len(residuals)), layout="constrained")
+    figure, axes = plt.subplots(figsize=(8.5, 1.2 + 0.24 * len(residuals)), layout="constrained")
     names = list(residuals)[::-1]
     values = [max(residuals[n], 1e-17) for n in names]
     axes.plot(values, names, "ko", markersize=5)
     axes.axvline(LIMIT, color="black", linewidth=1.0, linestyle="--", label="limit")
     axes.set_xscale("log")
     axes.set_xlim(min([*values, LIMIT]) / 3.0, 3.0 * max([*values, LIMIT]))
-    axes.set_xlabel("energy not accounted for / energy there or moved")
+    axes.set_xlabel("share of the energy that is missed")
     axes.tick_params(axis="y", labelsize=7)
     axes.grid(axis="x", alpha=0.3)
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)

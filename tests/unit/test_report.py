@@ -12,6 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from matplotlib.figure import Figure
 from synthetic import Run, make_run
 
 from floeflow.effects import EFFECTS
@@ -21,7 +22,7 @@ from floeflow.postprocess.expense import stages, total_seconds
 from floeflow.postprocess.report import read_numbers, render
 from floeflow.postprocess.wording import duration, number, scene_keys, with_unit
 from floeflow.state import read_state, write_state
-from floeflow.studies.page import Study, Table, write_study
+from floeflow.studies.page import Study, Table, draw, write_study
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 SECTIONS = [
@@ -312,10 +313,14 @@ def test_studies_have_a_section_where_there_are_any(bare: tuple[Run, str], tmp_p
     run, html = bare
     assert "Studies" not in Page(html).within("h2")
     table = Table("Effects <b>", ("effect", "share (%)"), [["wind", 12.3456]], "A note.")
-    study = Study(HOSTILE, "Lead.", ["Said."], [], [table])
+    figure = Figure()
+    figure.subplots().plot([1, 2])
+    drawing = draw(tmp_path / "figures", "a_study", "A figure.", figure)
+    study = Study(HOSTILE, "Lead.", ["Said."], [drawing], [table])
     write_study(study, tmp_path / "page.html", tmp_path / "digest.json", "")
     shown = report_of(run, [tmp_path / "digest.json"])
     assert "Studies" in Page(shown).within("h2")
+    assert 'id="a_study" class="wide"' in shown and drawing.uri in shown
     assert "Effects &lt;b&gt;" in shown and "12.3" in shown and HOSTILE not in shown
 
 
