@@ -275,7 +275,7 @@ _REGISTERED = (
     Effect(
         name="grid_output",
         physics="Fields of the ice on the scene's grid at each window boundary, as CF NetCDF.",
-        source="moving least squares: Lancaster & Salkauskas 1981",
+        source="shares of area, balanced: Sinkhorn & Knopp 1967",
         rules=("grid",),
         figures=("grid_",),
     ),
