@@ -53,6 +53,12 @@ ALL = (INK, "*", "none")
 LEAST = 1.0e-7
 
 
+def is_felt(study: Accuracy, norm: str) -> bool:
+    """Whether any run has an error in a norm: without thermodynamics no volume changes."""
+    errors = [e.get(norm, 0.0) for p in study.points for e in (p.errors, p.totals)]
+    return max(errors, default=0.0) >= LEAST
+
+
 def accuracy_figure(study: Accuracy, norm: str) -> Figure:
     """Relative error over work, both logarithmic, one line for each knob.
 

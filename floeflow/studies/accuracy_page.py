@@ -11,7 +11,7 @@ from floeflow import stage
 from floeflow.config import Scene
 from floeflow.postprocess.diagnostics import write_json
 from floeflow.state import write_dataset
-from floeflow.studies.accuracy_figure import accuracy_figure
+from floeflow.studies.accuracy_figure import accuracy_figure, is_felt
 from floeflow.studies.accuracy_plan import KEPT as SAME
 from floeflow.studies.accuracy_plan import TOGETHER
 from floeflow.studies.accuracy_table import Accuracy, analyse, as_dataset
@@ -127,7 +127,7 @@ def main(snakemake: stage.Snakemake) -> None:
             accuracy_figure(study, norm),
         )
         for norm in NORMS
-        if any(norm in point.errors for point in study.points)
+        if is_felt(study, norm)
     }
     said = [
         f"The default run's element model and column take {study.seconds:.3g} s of CPU time; "

@@ -22,6 +22,7 @@ from floeflow.postprocess.figures.style import write_png
 from floeflow.studies import ablation_page, accuracy_page
 from floeflow.studies.ablation_figure import ablation_figure
 from floeflow.studies.ablation_table import Ablation, ablation_table
+from floeflow.studies.accuracy_figure import is_felt
 from floeflow.studies.accuracy_table import Accuracy, analyse
 from floeflow.studies.measures import KEPT
 from floeflow.studies.page import DPI, Table, as_markdown
@@ -62,7 +63,7 @@ def accuracy_section(scene: Scene, study: Accuracy) -> str:
         accuracy_page.order_table(study),
     ):
         lines += [f"{table.title}:", "", as_markdown(table), "", table.note, ""]
-    names = [f"accuracy_{norm}" for norm in KEPT]
+    names = [f"accuracy_{norm}" for norm in KEPT if is_felt(study, norm)]
     lines += [f"![{name}](images/studies/{scene.name}_{name}.png)" for name in names]
     return "\n".join([*lines, ""])
 
@@ -108,8 +109,9 @@ def write_document(results: Path = Path("results")) -> None:
             # Drawn anew: the estimates may be those of a later fit.
             write_png(ablation_figure(ablation), IMAGES / f"{name}_ablation.png", DPI)
         if records := study_records(scene, "accuracy", results):
-            parts.append(accuracy_section(scene, analyse(scene, records, results)))
-            for norm in KEPT:
+            accuracy = analyse(scene, records, results)
+            parts.append(accuracy_section(scene, accuracy))
+            for norm in (norm for norm in KEPT if is_felt(accuracy, norm)):
                 source = results / name / f"accuracy/figures/accuracy_{norm}.png"
                 shutil.copyfile(source, IMAGES / f"{name}_accuracy_{norm}.png")
         if parts:

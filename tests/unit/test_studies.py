@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,7 @@ from floeflow.studies import compare
 from floeflow.studies.ablation_figure import ablation_figure
 from floeflow.studies.ablation_page import effect_table, sentences
 from floeflow.studies.ablation_table import ablation_table
-from floeflow.studies.accuracy_figure import accuracy_figure
+from floeflow.studies.accuracy_figure import accuracy_figure, is_felt
 from floeflow.studies.accuracy_page import order_table, recommendation_table, run_table
 from floeflow.studies.accuracy_table import Accuracy, Convergence, Point, Runs, as_dataset, pareto
 from floeflow.studies.knobs import knobs
@@ -224,6 +225,14 @@ def test_figures_and_tables_of_an_accuracy_study():
     assert [row[1] for row in rows] == ["any"] * 3 + ["the scene's"] * 3
     # 5 % is the finest of either knob; 20 % is had for less than the default's work.
     assert str(rows[0][2]).startswith("least 5.1") and float(rows[2][3]) < 1.0
+
+
+def test_a_norm_that_no_run_feels_has_no_figure():
+    study = accuracy()
+    assert is_felt(study, "drift")
+    still = [replace(p, errors={"drift": 0.0}, totals={"drift": 0.0}) for p in study.points]
+    assert not is_felt(replace(study, points=still), "drift")
+    assert not is_felt(replace(study, points=still), "volume")
 
 
 def test_what_is_neither_cheaper_nor_better_is_not_recommended():
