@@ -20,6 +20,7 @@ from floeflow.estimate.conditions import conditions
 from floeflow.estimate.cost import coefficients, run_seconds
 from floeflow.plan.pack import fitted_to_pack
 from floeflow.plan.precision import error_model, knob_errors, total_error
+from floeflow.postprocess.expense import read_benchmark
 from floeflow.state import read_dataset
 from floeflow.studies.accuracy_table import REFERENCE
 from floeflow.studies.compare import read_ends
@@ -56,8 +57,7 @@ def run(path: Path, scene: Scene, ranks: int) -> dict[str, tuple[Scene, Outcome]
 def seconds_of(scene: Scene) -> float:
     """Wall time of all jobs of a run, one after the other, as Snakemake measured them."""
     tables = sorted((Path("results") / scene.name / "benchmarks").rglob("*.tsv"))
-    found = [table.read_text().splitlines() for table in tables]
-    return sum(float(lines[1].split("\t")[lines[0].split("\t").index("s")]) for lines in found)
+    return sum(read_benchmark(table)[0] for table in tables)
 
 
 def measured_errors(scene: Scene, runs: dict[str, tuple[Scene, Outcome]]) -> dict[str, float]:

@@ -8,8 +8,8 @@ it: for people who want the column and no elements.
 from __future__ import annotations
 
 import argparse
-import sys
 import time
+from functools import partial
 from pathlib import Path
 
 from floeflow.column.params import Settings
@@ -17,7 +17,7 @@ from floeflow.column.point import PointForcing, read_point
 from floeflow.column.schemes import SCHEMES
 from floeflow.column.year import run_column, start_columns
 from floeflow.effects import EFFECTS
-from floeflow.errors import FloeError
+from floeflow.errors import FloeError, answer
 from floeflow.postprocess.figures.column import column_figure
 from floeflow.postprocess.figures.style import write_png
 from floeflow.state import write_dataset
@@ -162,12 +162,7 @@ def run(given: argparse.Namespace) -> str:
 
 def main() -> int:
     """Command line; a fault is one sentence."""
-    try:
-        print(run(arguments().parse_args()))
-    except FloeError as error:
-        print(f"floeflow: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return answer(partial(run, arguments().parse_args()))
 
 
 if __name__ == "__main__":

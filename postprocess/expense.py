@@ -62,7 +62,7 @@ def stages(benchmarks: Sequence[Path], diagnosed: Mapping[str, Any]) -> list[Sta
     rules: dict[str, list[tuple[float, float]]] = {}
     for path in benchmarks:
         stem = re.sub(r"[_.-]?\d*$", "", path.stem) or path.parent.name
-        rules.setdefault(stem, []).append(_benchmark(path))
+        rules.setdefault(stem, []).append(read_benchmark(path))
     numbers = diagnosed["headline"]
     found = []
     for name, jobs in rules.items():
@@ -87,7 +87,7 @@ def total_seconds(found: Sequence[Stage]) -> float:
     return sum(stage.seconds for stage in found if not stage.inner)
 
 
-def _benchmark(path: Path) -> tuple[float, float]:
+def read_benchmark(path: Path) -> tuple[float, float]:
     """Wall seconds (summed over repeats) and largest memory (MB) of a benchmark file."""
     try:
         with path.open(newline="") as file:

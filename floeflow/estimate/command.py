@@ -6,10 +6,10 @@ from __future__ import annotations
 import argparse
 import json
 import logging
-import sys
+from functools import partial
 from pathlib import Path
 
-from floeflow.errors import FloeError
+from floeflow.errors import answer
 
 
 def main() -> int:
@@ -19,12 +19,7 @@ def main() -> int:
     parser.add_argument("--json", action="store_true", help="print JSON instead")
     given = parser.parse_args()
     logging.disable(logging.WARNING)
-    try:
-        print(tell(given.scene, given.json))
-    except FloeError as error:
-        print(f"floeflow: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return answer(partial(tell, given.scene, given.json))
 
 
 def tell(path: Path, as_json: bool = False) -> str:

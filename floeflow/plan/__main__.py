@@ -6,10 +6,11 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
+from functools import partial
 from pathlib import Path
 
 from floeflow.config import load_scene
-from floeflow.errors import FloeError
+from floeflow.errors import FloeError, answer
 from floeflow.estimate.conditions import conditions
 from floeflow.estimate.cost import COSTS, coefficients
 from floeflow.plan.pack import fitted_to_pack
@@ -29,12 +30,7 @@ def main() -> int:
     parser.add_argument("--results", type=Path, default=Path("results"), help="for --refit")
     given = parser.parse_args()
     logging.disable(logging.WARNING)
-    try:
-        print(_refit(given.results) if given.refit else _plan(given))
-    except FloeError as error:
-        print(f"floeflow: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return answer(partial(_refit, given.results) if given.refit else partial(_plan, given))
 
 
 def _refit(results: Path) -> str:

@@ -16,7 +16,7 @@ from pathlib import Path
 from floeflow.bench import machine
 from floeflow.config import Scene, load_scene
 from floeflow.config.docs import PROJECT
-from floeflow.errors import FloeError
+from floeflow.errors import FloeError, answer
 from floeflow.estimate.choose import scene_estimates
 from floeflow.postprocess.figures.style import write_png
 from floeflow.studies import ablation_page, accuracy_page
@@ -88,7 +88,7 @@ def summary(studies: Sequence[tuple[Scene, Ablation]]) -> Table:
     return Table("All scenes", head, rows)
 
 
-def write_document(results: Path = Path("results")) -> None:
+def write_document(results: Path = Path("results")) -> Path:
     """Write docs/studies.md and copy its figures.
 
     Raises
@@ -121,18 +121,8 @@ def write_document(results: Path = Path("results")) -> None:
         raise FloeError(f"{results}: no example scene was studied; 'make studies' does it")
     head = HEAD.format(machine=machine())
     PAGE.write_text("\n".join([head, as_markdown(summary(found)), "", *sections]))
-
-
-def main() -> int:
-    """Entry point."""
-    try:
-        write_document()
-    except FloeError as error:
-        print(f"floeflow: {error}", file=sys.stderr)
-        return 1
-    print(PAGE)
-    return 0
+    return PAGE
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(answer(write_document))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from floeflow.bench import machine
 from floeflow.config.docs import PROJECT
-from floeflow.errors import FloeError
+from floeflow.errors import FloeError, answer
 from floeflow.postprocess.digests import DIGEST, read_digest
 from floeflow.studies.page import Table, as_markdown
 
@@ -22,7 +22,7 @@ What each of the [hard cases](stability.md) showed. Made by `make stability` on 
 
 def write_document(
     results: Path = Path("results/stability"), page: Path = PAGE, images: Path = IMAGES
-) -> None:
+) -> Path:
     """Write docs/hard_cases.md and copy its figures beside it.
 
     Raises
@@ -45,18 +45,8 @@ def write_document(
         parts += [drawing["caption"], "", f"![{drawing['name']}]({place})", ""]
     parts += ["## All tests", "", (results / "table.md").read_text()]
     page.write_text("\n".join(parts))
-
-
-def main() -> int:
-    """Entry point."""
-    try:
-        write_document()
-    except FloeError as error:
-        print(f"floeflow: {error}", file=sys.stderr)
-        return 1
-    print(PAGE)
-    return 0
+    return page
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(answer(write_document))
