@@ -30,7 +30,9 @@ def curves(lines: Curves, points: Curves, x: str, y: str, scale: str = "linear")
         axes.set_yscale("log")
     axes.set_xlabel(x)
     axes.set_ylabel(y)
-    axes.legend(fontsize="small")
+    axes.legend(
+        fontsize="small", loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False
+    )
     axes.grid(alpha=0.3)
     return figure
 

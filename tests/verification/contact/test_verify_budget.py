@@ -142,4 +142,4 @@ def test_a_free_cluster_keeps_energy_and_momentum(log: Path, steps: int, show) -
     (first, _), (last, parts) = angular_momentum(before), angular_momentum(after)
     assert abs(last - first) < 1e-10 * parts
     line = {"FloeFlow": (times, energies / energies[0])}
-    show("free_cluster", figures.curves, line, {}, "s", "energy / initial energy")
+    show("free_cluster", figures.curves, line, {}, "time (s)", "energy / initial energy")

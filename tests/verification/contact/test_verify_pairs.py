@@ -193,7 +193,14 @@ def test_cracks_run_in_from_one_end_while_one_element_turns(log: Path, shared: P
         "FloeFlow": (seconds, ours.sum(1)),
         "law with displacements 1.035 times too long": (seconds, stretched),
     }
-    show("bond_turning", figures.curves, lines, {"DEMSI": (seconds, demsi)}, "s", "cracked share")
+    show(
+        "bond_turning",
+        figures.curves,
+        lines,
+        {"DEMSI": (seconds, demsi)},
+        "time (s)",
+        "cracked share",
+    )
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -157,4 +157,4 @@ def test_spin_decays_by_the_quadratic_law(log: Path, show) -> None:
     assert errors[1] < 0.6 * errors[0] and errors[2] < 0.6 * errors[1]
     fine = np.linspace(0, times[-1], 200)
     law = {"1 / (1 + t / tau)": (fine, spin / (1 + fine / tau))}
-    show("spin_down", figures.curves, law, {"FloeFlow": (times, omega)}, "s", "rad/s")
+    show("spin_down", figures.curves, law, {"FloeFlow": (times, omega)}, "time (s)", "spin (rad/s)")
