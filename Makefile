@@ -33,7 +33,7 @@ verification: setup ## compare with theory and references at length, draw docs/i
 
 stability: setup ## run the hard cases at length: results/stability/stability.html, docs/hard_cases.md
 	.venv/bin/snakemake --profile workflows/profiles/local --keep-going -- stability
-	.venv/bin/python -m floeflow.studies.hard_cases
+	.venv/bin/python -m floeflow.analysis.studies.hard_cases
 
 fuzz: setup ## fuzz the reader of states for FUZZ_SECONDS=300, what breaks it lands in results/fuzz
 	@for target in bytes fields; do .venv/bin/python tests/stability/fuzz_state.py $$target \
@@ -64,8 +64,8 @@ studies: setup ## ablation and accuracy of the example scenes, and docs/studies.
 	        .venv/bin/snakemake --profile workflows/profiles/local --keep-going \
 	            --config scene=config/scenes/$$scene.yaml -- $$study; \
 	    done; done
-	.venv/bin/python -m floeflow.plan --refit
-	.venv/bin/python -m floeflow.studies.document
+	.venv/bin/python -m floeflow.analysis.plan --refit
+	.venv/bin/python -m floeflow.analysis.studies.document
 
 doctor: ## say what is there and what is missing, and try a probe of the plugin
 	@setup/doctor.sh

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
+from floeflow.analysis.studies.measures import KEPT
+from floeflow.report.study_page import Table, as_markdown
 from floeflow.state import read_dataset
-from floeflow.studies.measures import KEPT
-from floeflow.studies.page import Table, as_markdown
 
 
 def benchmark_rows(folder: Path) -> Iterator[list[object]]:

@@ -17,15 +17,15 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from floeflow.bench import Record, write_records
-from floeflow.column import zero_layer
-from floeflow.column.categories import category_bounds
-from floeflow.column.enthalpy import ice_enthalpy, salinity_profile
 from floeflow.column.layered import LayeredState, pack_forcing, step, take
 from floeflow.column.params import ColumnParams
 from floeflow.column.physics import KELVIN, Physics
 from floeflow.column.records import Array
 from floeflow.column.state import ColumnForcing, ColumnState
+from floeflow.column.thermodynamics import zero_layer
+from floeflow.column.thermodynamics.enthalpy import ice_enthalpy, salinity_profile
+from floeflow.column.thickness.categories import category_bounds
+from floeflow.core.records import Record, write_records
 
 DT = 3600.0  # s
 CATEGORIES = 5

@@ -22,8 +22,8 @@ from typing import Any
 from demcases import Own, Stock, kinetic_energy, resident_bytes
 from mpi4py import MPI
 
-from floeflow.bench import Record, write_records
-from floeflow.mpi import mpi_environment
+from floeflow.core.mpi import mpi_environment
+from floeflow.core.records import Record, write_records
 
 OUT = Path("results") / "benchmarks" / "dem.json"
 

@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from floeflow.dynamics.bondtable import Arrays, new_bonds
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.enginesetup import PLANE
-from floeflow.dynamics.pluginlib import load_plugin, open_liggghts
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.plugin import load_plugin, open_liggghts
+from floeflow.dynamics.engine.setup import PLANE
+from floeflow.state.bonds import Arrays, new_bonds
 
 RADIUS, THICKNESS, DENSITY = 1000.0, 1.0, 917.0  # m, m, kg/m3
 SPACING = 0.9995  # distance of neighbours over the diameter

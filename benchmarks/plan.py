@@ -13,23 +13,23 @@ import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
-from floeflow.bench import Record, write_records
-from floeflow.config import Scene, load_scene
-from floeflow.errors import FloeError
-from floeflow.estimate.conditions import conditions
-from floeflow.estimate.cost import coefficients, run_seconds
-from floeflow.plan.pack import fitted_to_pack
-from floeflow.plan.precision import error_model, knob_errors, total_error
-from floeflow.postprocess.expense import read_benchmark
+from floeflow.analysis.estimate.conditions import conditions
+from floeflow.analysis.estimate.cost import coefficients, run_seconds
+from floeflow.analysis.plan.pack import fitted_to_pack
+from floeflow.analysis.plan.precision import error_model, knob_errors, total_error
+from floeflow.analysis.studies.accuracy_table import REFERENCE
+from floeflow.analysis.studies.compare import read_ends
+from floeflow.analysis.studies.measures import KEPT
+from floeflow.analysis.studies.nested import Outcome, read_outcome, run_scene, targets
+from floeflow.analysis.studies.norms import errors, on_grid, relative
+from floeflow.analysis.studies.plans import study_variants
+from floeflow.analysis.studies.share import link_shared
+from floeflow.analysis.studies.variants import BASE, variant_keys, write_variant
+from floeflow.core.errors import FloeError
+from floeflow.core.records import Record, write_records
+from floeflow.diagnostics.run_cost import read_benchmark
+from floeflow.scene import Scene, load_scene
 from floeflow.state import read_dataset
-from floeflow.studies.accuracy_table import REFERENCE
-from floeflow.studies.compare import read_ends
-from floeflow.studies.measures import KEPT
-from floeflow.studies.nested import Outcome, read_outcome, run_scene, targets
-from floeflow.studies.norms import errors, on_grid, relative
-from floeflow.studies.plans import study_variants
-from floeflow.studies.share import link_shared
-from floeflow.studies.variants import BASE, variant_keys, write_variant
 
 HELD_OUT = Path(__file__).with_name("held_out")
 RANKS = {"beaufort_more": 1, "loose_floes": 2, "kara_ridges": 1}

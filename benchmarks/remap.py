@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import griddata
 
-from floeflow.bench import Record, write_records
-from floeflow.postprocess.remap import (
+from floeflow.core.records import Record, write_records
+from floeflow.transfer import (
     ROOM,
     Field,
     Grid,
@@ -26,11 +26,11 @@ from floeflow.postprocess.remap import (
     build_remapper,
     build_sampler,
     build_weights,
-    carry,
     nearest_bounded,
     open_room,
 )
-from floeflow.postprocess.remap.stencil import Array
+from floeflow.transfer import carry
+from floeflow.transfer.stencil import Array
 
 PER_CELL = 4
 # Above this many elements the slow peer runs once.

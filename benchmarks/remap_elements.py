@@ -17,13 +17,13 @@ import numpy as np
 import shapely
 import xarray as xr
 
-from floeflow.bench import Record, write_records
-from floeflow.dynamics.bondtable import new_bonds
-from floeflow.dynamics.remesh.cells import Cells, rings_of
+from floeflow.core.grids import Grid
+from floeflow.core.records import Record, write_records
 from floeflow.dynamics.remesh.overlap import carried_polygons
 from floeflow.dynamics.remesh.remap import lay, outlines, remap
-from floeflow.preprocess.grids import Grid
-from floeflow.preprocess.tessellation import power_diagram
+from floeflow.packings.tessellation import power_diagram
+from floeflow.state.bonds import new_bonds
+from floeflow.state.cells import Cells, rings_of
 from floeflow.state.schema import MOBILE, SCHEMA_VERSION
 
 CATEGORIES, SPACING = 5, 1.0e4  # m

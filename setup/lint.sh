@@ -6,21 +6,13 @@ set -uo pipefail
 # shellcheck source=setup/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 bin=$root/$venv/bin
-stages=(preprocess dynamics column postprocess)
 
 check_ruff() { "$bin/ruff" check --quiet . && "$bin/ruff" format --quiet --check --diff .; }
 
 check_snakefiles() { "$bin/snakefmt" --check --compact-diff Snakefile workflows; }
 
-# The type checker gets a farm of links that looks as the installed package does, because the
-# stages lie beside floeflow/ and not in it, where it would not find them.
 check_types() {
-    local farm=build/types/floeflow entry
-    rm -rf build/types && mkdir -p "$farm"
-    for entry in floeflow/* "${stages[@]}"; do ln -s "$root/$entry" "$farm/"; done
-    (cd build/types && "$bin/mypy" --no-error-summary --config-file "$root/pyproject.toml" \
-        --cache-dir "$root/build/cache/mypy" --package floeflow) |
-        sed -E "s#^floeflow/(preprocess|dynamics|column|postprocess)/#\1/#"
+    "$bin/mypy" --no-error-summary --cache-dir "$root/build/cache/mypy" --package floeflow
 }
 
 check_cpp() {
@@ -30,7 +22,7 @@ check_cpp() {
 
 check_workflow() { "$bin/python" setup/lint_workflow.py "$bin/snakemake"; }
 
-check_config() { "$bin/python" -m floeflow.config --check; }
+check_config() { "$bin/python" -m floeflow.scene --check; }
 
 check_shell() {
     local script failed=0

@@ -8,8 +8,8 @@ import math
 from collections.abc import Hashable, Mapping
 from datetime import datetime
 
-from floeflow.effects import EFFECTS, SCHEME_STATE
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.scene.effects import EFFECTS, SCHEME_STATE
 
 # The column scheme of a state with thermodynamics; where it is missing, zero_layer.
 SCHEME_ATTRIBUTE, DEFAULT_SCHEME = "column_scheme", "zero_layer"

@@ -18,10 +18,10 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from floeflow.errors import FloeError
+from floeflow.core.atomic_write import write_whole
+from floeflow.core.errors import FloeError
+from floeflow.state.file_checksum import check_seal, seal
 from floeflow.state.schema import ROUNDED, VARIABLES, check_state
-from floeflow.state.seal import check_seal, seal
-from floeflow.whole import write_whole
 
 CHECKSUM = "checksum"
 

@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from floeflow.effects import EFFECTS, SCHEME_STATE, state_variables
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.scene.effects import EFFECTS, SCHEME_STATE, state_variables
 from floeflow.state.attributes import check_attributes
 
 SCHEMA_VERSION = 1

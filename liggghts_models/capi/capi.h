@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
-// C interface of the plugin for Python (dynamics/engine.py). Functions that can fail return 0 for
+// C interface of the plugin for Python (floeflow/dynamics/engine/engine.py). Functions that can fail return 0 for
 // success and else 1; the sentence is then in floe_error(). All are collective unless they say
 // "local". Arrays are contiguous; columns as named here.
 #ifndef FLOE_CAPI_H

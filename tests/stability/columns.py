@@ -8,8 +8,6 @@ import math
 import numpy as np
 from sound_columns import sound
 
-from floeflow.column.categories import category_bounds
-from floeflow.column.enthalpy import salinity_profile
 from floeflow.column.kernel import HOUR
 from floeflow.column.layered import (
     LayeredState,
@@ -22,8 +20,10 @@ from floeflow.column.layered import (
     step,
     water_residual,
 )
-from floeflow.column.mush import brine_salinity, liquidus
 from floeflow.column.physics import Physics
+from floeflow.column.thermodynamics.enthalpy import salinity_profile
+from floeflow.column.thermodynamics.mush import brine_salinity, liquidus
+from floeflow.column.thickness.categories import category_bounds
 
 DEPTH = 20.0  # m of the mixed layer
 LAYERS = 7

@@ -20,10 +20,10 @@ import atheris
 import numpy as np
 import xarray as xr
 
-with atheris.instrument_imports(include=["floeflow.state", "floeflow.effects"]):
-    from floeflow.errors import FloeError
+with atheris.instrument_imports(include=["floeflow.state", "floeflow.scene.effects"]):
+    from floeflow.core.errors import FloeError
     from floeflow.state import check_state, read_state, write_state
-    from floeflow.state.seal import seal
+    from floeflow.state.file_checksum import seal
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 from test_state import a_state  # noqa: E402

@@ -12,16 +12,18 @@ import xarray as xr
 from mpi4py import MPI
 from test_preprocess_packing import mask_of
 
-from floeflow.config import Scene, parse_scene
-from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
-from floeflow.dynamics.bondtable import EDGE_SHARE, element_rows
-from floeflow.dynamics.elements import element_arrays
-from floeflow.dynamics.march import advance_window
-from floeflow.dynamics.remesh.cells import Cells, read_cells
-from floeflow.dynamics.ridging import contact_share
-from floeflow.postprocess.budgets import Budget, dem_energy_budget
-from floeflow.postprocess.diagnostics import change_over_windows
-from floeflow.preprocess import bonds, cells, initial, packing
+from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.coupling import initial
+from floeflow.coupling.coupled_windows import advance_window
+from floeflow.diagnostics.budgets import Budget, dem_energy_budget
+from floeflow.diagnostics.diagnostics import change_over_windows
+from floeflow.dynamics.ridging.ridging import contact_share
+from floeflow.packings import bonds, packing
+from floeflow.packings import fresh_cells as cells
+from floeflow.scene import Scene, parse_scene
+from floeflow.state.bonds import EDGE_SHARE, element_rows
+from floeflow.state.cells import Cells, read_cells
+from floeflow.state.elements import element_arrays
 from floeflow.state.schema import MOBILE, check_state
 
 WIND = 20.0

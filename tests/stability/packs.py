@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 from rafts import ICE, bonded, discs, lattice
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.preprocess.discs import radii
+from floeflow.packings.discs import radii
+from floeflow.state.bonds import Arrays
 
 
 def random_pack(

@@ -15,11 +15,11 @@ from mpi4py import MPI
 from packs import chain, mixed_lattice
 from rafts import ICE, lattice, uniform
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.engineparams import FIXED
-from floeflow.dynamics.overlaps import overlapping_pairs
-from floeflow.dynamics.timestep import critical_step
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.params import FIXED
+from floeflow.dynamics.ridging.overlaps import overlapping_pairs
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.state.bonds import Arrays
 
 # A row under pressure buckles; under so little, in more time than a run takes.
 GENTLE = 1e-7

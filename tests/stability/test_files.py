@@ -22,10 +22,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_state import a_state
 
-from floeflow.config import load_scene
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.scene import load_scene
 from floeflow.state import SCHEMA_VERSION, read_state, write_state
-from floeflow.state.seal import seal
+from floeflow.state.file_checksum import seal
 
 PAGE = 4096
 
@@ -105,7 +105,7 @@ import resource, signal, sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 from test_state import a_state
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
 from floeflow.state import write_state
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]), resource.RLIM_INFINITY))

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.config.blocks import Scene
-from floeflow.errors import FloeError
-from floeflow.preprocess import analytic, forcing
+from floeflow.core.errors import FloeError
+from floeflow.forcings import analytic, forcing
+from floeflow.scene.blocks import Scene
 
 ALL = ("wind", "ocean_drag", "coriolis", "tilt", "thermodynamics", "snow", "shortwave")
 DOMAIN = {"x_min": -1.6e6, "x_max": -1.2e6, "y_min": 0.8e6, "y_max": 1.2e6, "spacing": 1e5}

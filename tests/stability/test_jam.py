@@ -20,8 +20,8 @@ from packs import neighbours
 from rafts import lattice, uniform
 from watch import Watched, default_step, watch
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import EngineParams
+from floeflow.dynamics.engine.engine import EngineParams
+from floeflow.state.bonds import Arrays
 
 WIND = 20.0
 HOUR, DAY = 3600.0, 86400.0

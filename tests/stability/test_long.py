@@ -21,10 +21,10 @@ from remesh_cases import coast_case, jiggled, remapped, spacing_of, totals
 from test_preprocess_packing import coastline
 from watch import default_step, watch
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams, Forcing
-from floeflow.postprocess.grid import gridded_fields, hat_reach, sea_room
-from floeflow.postprocess.remap import Grid
+from floeflow.diagnostics.gridded import gridded_fields, hat_reach, sea_room
+from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.state.bonds import Arrays
+from floeflow.transfer import Grid
 
 CORIOLIS = 1.4e-4
 # Of the gridded file: what is mapped, of which amount of the state, and its name in totals.

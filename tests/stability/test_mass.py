@@ -16,8 +16,8 @@ from packs import squeezed
 from rafts import ICE, lattice, uniform
 from watch import default_step, watch
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import EngineParams, Forcing
+from floeflow.dynamics.engine.engine import EngineParams, Forcing
+from floeflow.state.bonds import Arrays
 
 WIND = 30.0
 LAWS = {"wind": True, "ocean_drag": True, "coriolis": True}

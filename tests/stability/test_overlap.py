@@ -15,10 +15,10 @@ from packs import random_pack, squeezed
 from rafts import discs, lattice, uniform
 from watch import default_step, watch
 
-from floeflow.dynamics.bondtable import CONTACT_COLUMNS, empty_pairs
-from floeflow.dynamics.engine import EngineParams
-from floeflow.dynamics.overlaps import overlapping_pairs, rest_overlaps
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.engine import EngineParams
+from floeflow.dynamics.ridging.overlaps import overlapping_pairs, rest_overlaps
+from floeflow.state.bonds import CONTACT_COLUMNS, empty_pairs
 
 LAWS = EngineParams(time_step=1.0, ocean_drag=True)
 STILL = uniform((0.0, 0.0), (0.0, 0.0))

@@ -12,8 +12,8 @@ from packs import neighbours
 from rafts import bonded, discs, lattice
 from watch import default_step, watch
 
-from floeflow.dynamics.engine import EngineParams
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.engine import EngineParams
 
 LAWS = EngineParams(time_step=1.0, bonds=True, compressive_strength=1e6, tensile_share=0.1)
 

@@ -20,14 +20,14 @@ from packs import PACKS, neighbours, random_pack, shaken, squeezed
 from pressed import PRESSED, at_rest, network_step
 from watch import default_step, watch
 
-from floeflow.config.blocks import Dynamics
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.energycheck import stored_energy
-from floeflow.dynamics.engine import Engine, EngineError, EngineParams
-from floeflow.dynamics.engineparams import FIXED
-from floeflow.dynamics.timestep import critical_step
-from floeflow.errors import FloeError
-from floeflow.studies.stability_figure import stability_map
+from floeflow.analysis.studies.stability_figure import stability_map
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.energy_check import stored_energy
+from floeflow.dynamics.engine.engine import Engine, EngineError, EngineParams
+from floeflow.dynamics.engine.params import FIXED
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.scene.blocks import Dynamics
+from floeflow.state.bonds import Arrays
 
 # Contacts hardly matter, so that the bonds' limit is seen alone at any stiffness.
 LAWS = EngineParams(

@@ -21,7 +21,7 @@ from test_column_zero_layer import columns as simple_columns
 from test_column_zero_layer import weather as simple_weather
 
 from floeflow.column.layered import step
-from floeflow.column.zero_layer import step as simple_step
+from floeflow.column.thermodynamics.zero_layer import step as simple_step
 
 STEPS = 12
 DAY = 86400.0

@@ -14,18 +14,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from floeflow.postprocess.remap import (
-    ROOM,
-    SHEPARD,
-    Field,
-    Grid,
-    build_remapper,
-    build_room,
-    carry,
-    open_room,
-)
-from floeflow.postprocess.remap.bins import Room
-from floeflow.postprocess.remap.carry import Carried
+from floeflow.transfer import ROOM, SHEPARD, Field, Grid, build_remapper, build_room, open_room
+from floeflow.transfer import carry
+from floeflow.transfer.bins import Room
+from floeflow.transfer.conservative import Carried
 
 FIELDS = (
     Field("area", "extensive", ROOM),

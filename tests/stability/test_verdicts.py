@@ -20,7 +20,7 @@ from typing import Any
 import pytest
 from verdict_cases import CASES
 
-from floeflow.mpi import mpi_environment
+from floeflow.core.mpi import mpi_environment
 
 pytestmark = pytest.mark.mpi
 

@@ -21,11 +21,11 @@ import xarray as xr
 import year
 from year import DAY, Start
 
-from floeflow.config import Scene
-from floeflow.constants import AIR_DENSITY, SEAWATER_DENSITY
-from floeflow.dynamics import resume
-from floeflow.postprocess.diagnostics import diagnose
-from floeflow.preprocess.forcing import make_forcing
+from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.coupling import resume
+from floeflow.diagnostics.diagnostics import diagnose
+from floeflow.forcings.forcing import make_forcing
+from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state
 
 # Light floes that heavy ones hit leave with up to twice their speed.

@@ -29,11 +29,11 @@ from test_mass import fastest_drift, jumping, mixed_masses
 from test_shatter import LAWS as BOND_LAWS
 from watch import Watched, default_step, watch
 
-from floeflow.dynamics.bondtable import CONTACT_COLUMNS, Arrays, empty_pairs
-from floeflow.dynamics.engine import EngineParams
-from floeflow.dynamics.overlaps import rest_overlaps
-from floeflow.dynamics.timestep import critical_step
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.engine import EngineParams
+from floeflow.dynamics.ridging.overlaps import rest_overlaps
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.state.bonds import CONTACT_COLUMNS, Arrays, empty_pairs
 
 Shown = dict[str, dict[str, object]]
 Case = Callable[[MPI.Comm, Path], Shown]

@@ -15,16 +15,16 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.energycheck import (
+from floeflow.dynamics.engine.energy_check import (
     EXTERNAL,
     check_energy,
     external_work,
     lost_energy,
     stored_energy,
 )
-from floeflow.dynamics.engine import Engine, EngineParams, Forcing
-from floeflow.dynamics.timestep import critical_step
+from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.state.bonds import Arrays
 
 NUMBERS = ("x", "y", "theta", "u", "v", "omega", "mass")
 

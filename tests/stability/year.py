@@ -12,17 +12,21 @@ import numpy as np
 import xarray as xr
 import yaml
 
-from floeflow.config import Scene, load_scene
-from floeflow.dynamics import resume
-from floeflow.dynamics.job import Job
-from floeflow.dynamics.window import fixed_hashes, run_ranks
-from floeflow.effects import forcing_variables
-from floeflow.frontdoor import PLUGIN, window_groups
-from floeflow.preprocess import analytic, bonds, cells, initial, land, mask, names, packing
-from floeflow.preprocess.forcing import make_forcing
-from floeflow.preprocess.grids import from_lonlat, scene_crs, scene_grid, to_lonlat
-from floeflow.preprocess.vectors import map_to_east_north, north_angle
+from floeflow.core.grids import from_lonlat, scene_crs, scene_grid, to_lonlat
+from floeflow.core.vectors import map_to_east_north, north_angle
+from floeflow.coupling import initial, resume
+from floeflow.coupling.job import Job
+from floeflow.coupling.launch import fixed_hashes, run_ranks
+from floeflow.forcings import analytic
+from floeflow.forcings import cf_variables as names
+from floeflow.forcings.forcing import make_forcing
+from floeflow.masks import land, mask
+from floeflow.packings import bonds, packing
+from floeflow.packings import fresh_cells as cells
+from floeflow.scene import Scene, load_scene
+from floeflow.scene.effects import forcing_variables
 from floeflow.state import write_dataset, write_state
+from floeflow.workflow.open_run import PLUGIN, window_groups
 
 DAY = 86400.0
 # Storms cross the scene one after the other, each so many days long.

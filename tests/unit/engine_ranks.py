@@ -11,9 +11,9 @@ from mpi4py import MPI
 from rafts import bonded, lattice, uniform
 from ranks import read_tables, write_part
 
-from floeflow.dynamics import walls
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.state import walls
+from floeflow.state.bonds import Arrays
 
 
 def main(out: Path, steps: int, walled: bool, start: Path | None) -> None:

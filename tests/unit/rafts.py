@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from floeflow.dynamics.bondtable import Arrays, new_bonds
-from floeflow.dynamics.engineparams import Forcing
+from floeflow.dynamics.engine.params import Forcing
+from floeflow.state.bonds import Arrays, new_bonds
 
 ICE = 917.0
 

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine
-from floeflow.dynamics.pluginlib import plugin_path
-from floeflow.mpi import mpi_environment
+from floeflow.core.mpi import mpi_environment
+from floeflow.dynamics.engine.engine import Engine
+from floeflow.dynamics.engine.plugin import plugin_path
+from floeflow.state.bonds import Arrays
 
 KINDS = ("element", "bond", "contact", "wall")
 

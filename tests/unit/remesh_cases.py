@@ -7,12 +7,14 @@ import numpy as np
 import xarray as xr
 from test_preprocess_packing import coastline
 
-from floeflow.config import parse_scene
-from floeflow.config.blocks import Packing
-from floeflow.dynamics.remesh.cells import Cells, read_cells
+from floeflow.coupling import initial
 from floeflow.dynamics.remesh.remap import lay, remap
 from floeflow.dynamics.remesh.transport import amounts
-from floeflow.preprocess import bonds, cells, initial, packing
+from floeflow.packings import bonds, packing
+from floeflow.packings import fresh_cells as cells
+from floeflow.scene import parse_scene
+from floeflow.scene.blocks import Packing
+from floeflow.state.cells import Cells, read_cells
 from floeflow.state.schema import MOBILE, VARIABLES
 
 EFFECTS = "friction, bonds, ridging, thermodynamics, snow"

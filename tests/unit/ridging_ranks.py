@@ -11,8 +11,8 @@ from mpi4py import MPI
 from rafts import bonded, lattice
 from ranks import read_tables, write_part
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.state.bonds import Arrays
 
 
 def crushed(columns: int = 16, rows: int = 12) -> list[Arrays]:

@@ -16,8 +16,8 @@ import shapely
 import xarray as xr
 from scipy.spatial import Delaunay
 
-from floeflow.bench import Record, write_records
-from floeflow.config import Scene, load_scene
+from floeflow.core.records import Record, write_records
+from floeflow.scene import Scene, load_scene
 from floeflow.state import write_dataset, write_state
 
 ICE_DENSITY, SNOW_DENSITY = 917.0, 330.0

@@ -13,12 +13,12 @@ import pytest
 from mpi4py import MPI
 from rafts import bonded, lattice
 
-from floeflow.config.blocks import Dynamics, Scene
-from floeflow.config.load import parse_scene
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.engineparams import FIXED
-from floeflow.dynamics.window import warn_of_step
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.coupling.launch import warn_of_step
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.params import FIXED
+from floeflow.scene.blocks import Dynamics, Scene
+from floeflow.scene.load import parse_scene
 
 # Of the engine's parameters: those that may be of either sign, those that may be 0.
 SIGNED = {"turning_angle"}

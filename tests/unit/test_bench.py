@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.bench import Record, write_records
+from floeflow.core.records import Record, write_records
 
 
 def test_a_ratio_above_one_is_faster_than_the_peer(tmp_path: Path):

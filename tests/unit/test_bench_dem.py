@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from floeflow.mpi import mpi_environment
+from floeflow.core.mpi import mpi_environment
 
 
 @pytest.fixture(scope="module")

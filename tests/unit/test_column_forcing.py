@@ -13,8 +13,8 @@ from floeflow.column.schemes import advance_columns
 from floeflow.column.state import ColumnState, energy_residual
 from floeflow.column.window import advance_window
 from floeflow.column.zero_layer_run import column_forcing
-from floeflow.effects import column_forcing_variables
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.scene.effects import column_forcing_variables
 
 X = np.array([0.0, 1e5, 2e5, 3e5])
 Y = np.array([-1e5, 0.0, 1e5])

@@ -10,20 +10,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from floeflow.column import boundary_layer as b
-from floeflow.column import enthalpy as e
-from floeflow.column.boundary_layer import Air
-from floeflow.column.categories import category_bounds
-from floeflow.column.categories import fit_line as compiled_fit_line
 from floeflow.column.layered import LayeredState, pack_forcing, step
-from floeflow.column.layers import even_out as compiled_even_out
-from floeflow.column.ocean import heat_to_ice as compiled_heat_to_ice
-from floeflow.column.ocean import limit as compiled_limit
+from floeflow.column.ocean.ocean import heat_to_ice as compiled_heat_to_ice
+from floeflow.column.ocean.ocean import limit as compiled_limit
 from floeflow.column.physics import Physics, as_records
-from floeflow.column.profile import new_profile
 from floeflow.column.records import FORCING, SUMS
-from floeflow.column.shortwave_ccsm3 import absorb as compiled_absorb
-from floeflow.errors import FloeError
+from floeflow.column.shortwave.ccsm3 import absorb as compiled_absorb
+from floeflow.column.thermodynamics import boundary_layer as b
+from floeflow.column.thermodynamics import enthalpy as e
+from floeflow.column.thermodynamics.boundary_layer import Air
+from floeflow.column.thermodynamics.layers import even_out as compiled_even_out
+from floeflow.column.thermodynamics.profile import new_profile
+from floeflow.column.thickness.categories import category_bounds
+from floeflow.column.thickness.categories import fit_line as compiled_fit_line
+from floeflow.core.errors import FloeError
 
 P = Physics()
 

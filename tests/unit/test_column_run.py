@@ -13,8 +13,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.column.run import PROCESSES, arguments, check, forcing_of, run, settings_of
-from floeflow.errors import FloeError
+from floeflow.analysis.single_column.run import (
+    PROCESSES,
+    arguments,
+    check,
+    forcing_of,
+    run,
+    settings_of,
+)
+from floeflow.core.errors import FloeError
 
 PROJECT = Path(__file__).resolve().parents[2]
 HOURS = np.arange(0.0, 24.0 * 6 + 1)
@@ -174,7 +181,12 @@ def test_light_of_many_directions_asks_for_the_place(forcing: Path):
 
 
 def test_the_command_says_what_is_wrong(tmp_path: Path):
-    command = [sys.executable, "-m", "floeflow.column.run", str(tmp_path / "none.nc")]
+    command = [
+        sys.executable,
+        "-m",
+        "floeflow.analysis.single_column.run",
+        str(tmp_path / "none.nc"),
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 1
     assert done.stderr == f"floeflow: {tmp_path / 'none.nc'}: there is no such file\n"
@@ -190,7 +202,7 @@ def test_the_tutorial_makes_its_forcing_and_runs(shared: Path, tmp_path: Path, m
     (tmp_path / table.name).symlink_to(table)
     monkeypatch.chdir(tmp_path)
     exec(compile(block[1], "tutorial", "exec"), {})
-    commands = re.findall(r"^python -m floeflow.column.run (.*)$", text, re.M)
+    commands = re.findall(r"^python -m floeflow.analysis.single_column.run (.*)$", text, re.M)
     assert len(commands) >= 2
     text = run(arguments().parse_args([*commands[0].split(), "--days", "5"]))
     assert (tmp_path / "column.nc").is_file() and "largest residual" in text

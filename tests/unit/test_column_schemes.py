@@ -9,13 +9,13 @@ from datetime import datetime
 import numpy as np
 import pytest
 
-from floeflow.column.closing import close_columns
-from floeflow.column.first import first_columns, layer_temperatures
+from floeflow.column.initial_columns import first_columns, layer_temperatures
 from floeflow.column.params import Settings
 from floeflow.column.schemes import SCHEMES, advance_columns
-from floeflow.column.sun import day_of_year, sun_height
+from floeflow.column.shortwave.sun import day_of_year, sun_height
+from floeflow.column.thickness.ridging_closure import close_columns
 from floeflow.column.zero_layer_run import column_forcing
-from floeflow.effects import EFFECTS, column_variables
+from floeflow.scene.effects import EFFECTS, column_variables
 
 DAY = 86400.0
 COLD = {

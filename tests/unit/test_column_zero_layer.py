@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from floeflow.column import zero_layer
 from floeflow.column.params import ColumnParams
 from floeflow.column.state import (
     ColumnForcing,
@@ -19,9 +18,10 @@ from floeflow.column.state import (
     snow_residual,
     take,
 )
-from floeflow.column.surface import balance, saturation, surface_fluxes
+from floeflow.column.thermodynamics import zero_layer
+from floeflow.column.thermodynamics.surface import balance, saturation, surface_fluxes
 from floeflow.column.window import advance_window
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
 
 PARAMS = ColumnParams()
 step = zero_layer.step

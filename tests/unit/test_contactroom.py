@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from rafts import discs, lattice
 
-from floeflow.dynamics import contactroom
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.contactroom import contact_room, element_kinds
-from floeflow.dynamics.engineparams import FIXED, EngineParams
-from floeflow.dynamics.stiffness import pack_stiffness
+from floeflow.dynamics.engine.params import FIXED, EngineParams
+from floeflow.dynamics.step import contact_room as contactroom
+from floeflow.dynamics.step.contact_room import contact_room, element_kinds
+from floeflow.dynamics.step.stiffness import pack_stiffness
+from floeflow.state.bonds import Arrays
 
 LAWS = EngineParams(time_step=1.0, contact_damping=0.3)
 

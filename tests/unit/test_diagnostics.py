@@ -13,10 +13,10 @@ import pytest
 import xarray as xr
 from synthetic import WINDOW, Run, make_run
 
-from floeflow.errors import FloeError
-from floeflow.postprocess.budgets import Limits, relative, verdict
-from floeflow.postprocess.collect import displacement, read_cost, summarise_grids, window_file
-from floeflow.postprocess.diagnostics import diagnose, main, write_json
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics.budgets import Limits, relative, verdict
+from floeflow.diagnostics.collect import displacement, read_cost, summarise_grids, window_file
+from floeflow.diagnostics.diagnostics import diagnose, main, write_json
 from floeflow.state import read_dataset, read_state, write_dataset
 
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from floeflow.errors import FloeError
-from floeflow.postprocess.digests import read_digest, valid_digests
-from floeflow.studies.hard_cases import write_document
-from floeflow.studies.page import Study, Table, draw, write_study
+from floeflow.analysis.studies.hard_cases import write_document
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics.study_summaries import read_digest, valid_digests
+from floeflow.report.study_page import Study, Table, draw, write_study
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from floeflow.errors import FloeError
-from floeflow.postprocess.drift import (
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics.drift import (
     drift_distance,
     mean_squared_displacement,
     relative_dispersion,
@@ -103,8 +103,8 @@ def test_too_little_to_average_is_refused():
 def test_the_slow_libraries_are_imported_only_where_they_are_used():
     """Rules that import these modules for their pure functions do not pay for the libraries."""
     code = (
-        "import sys, floeflow.postprocess.drift, floeflow.postprocess.trajectory, "
-        "floeflow.postprocess.mesh; "
+        "import sys, floeflow.diagnostics.drift, floeflow.diagnostics.trajectory, "
+        "floeflow.diagnostics.mesh_series; "
         "print([name for name in ('MDAnalysis', 'meshio') if name in sys.modules])"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

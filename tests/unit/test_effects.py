@@ -7,7 +7,8 @@ from dataclasses import fields
 
 import pytest
 
-from floeflow.effects import (
+from floeflow.core.errors import FloeError
+from floeflow.scene.effects import (
     EFFECTS,
     check_effects,
     diagnostic_series,
@@ -16,7 +17,6 @@ from floeflow.effects import (
     plugin_switches,
     state_variables,
 )
-from floeflow.errors import FloeError
 from floeflow.state import VARIABLES
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from test_state import a_state
 
-from floeflow.constants import ICE_DENSITY, SNOW_DENSITY
-from floeflow.dynamics.elements import (
+from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
+from floeflow.state.elements import (
     bearing_thickness,
     element_arrays,
     joint_thickness,

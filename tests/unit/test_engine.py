@@ -12,8 +12,8 @@ import pytest
 from mpi4py import MPI
 from rafts import angular_momentum, bonded, discs, lattice, uniform
 
-from floeflow.dynamics.engine import Engine, EngineError, EngineParams, Forcing
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.engine import Engine, EngineError, EngineParams, Forcing
 
 SELF = MPI.COMM_SELF
 EXTERNAL = {"wind": True, "ocean_drag": True, "coriolis": True, "tilt": True}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from ranks import run_parts
 
-from floeflow.dynamics.bondtable import Arrays
+from floeflow.state.bonds import Arrays
 
 pytestmark = pytest.mark.mpi
 

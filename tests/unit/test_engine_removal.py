@@ -10,10 +10,10 @@ import pytest
 from mpi4py import MPI
 from rafts import bonded, discs, lattice, uniform
 
-from floeflow.dynamics import walls
-from floeflow.dynamics.bondtable import without
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.state import walls
+from floeflow.state.bonds import without
 
 SELF = MPI.COMM_SELF
 

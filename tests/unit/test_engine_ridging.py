@@ -11,7 +11,7 @@ import pytest
 from mpi4py import MPI
 from rafts import bonded, discs, lattice
 
-from floeflow.dynamics.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineParams
 
 SELF = MPI.COMM_SELF
 EDGE = 1 / math.sqrt(3)

@@ -13,7 +13,7 @@ from mpi4py import MPI
 from rafts import discs
 from ranks import run_liggghts
 
-from floeflow.dynamics.engine import Engine, EngineError, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineError, EngineParams
 
 PLANE = "fix wall all wall/gran model floe primitive type 2 xplane 0.0"
 STIFFNESS = 1e8 * 0.8  # contact modulus times thickness

@@ -12,16 +12,22 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.config import load_scene
-from floeflow.effects import EFFECTS
-from floeflow.estimate.choose import OUTPUT, SETTING, estimate, recommended
-from floeflow.estimate.conditions import Conditions, conditions
-from floeflow.estimate.cost import coefficients, critical_step, sizes, stage_seconds
-from floeflow.estimate.drift import run_drift
-from floeflow.estimate.ice import open_water_loss, run_ice
-from floeflow.estimate.influence import influence, without
-from floeflow.estimate.numbers import ICE_CONDUCTIVITY, ICE_HEAT, NUMBERS, meaning, sea_delay
-from floeflow.preprocess.estimate import estimates
+from floeflow.analysis.estimate.choose import OUTPUT, SETTING, estimate, recommended
+from floeflow.analysis.estimate.conditions import Conditions, conditions
+from floeflow.analysis.estimate.cost import coefficients, critical_step, sizes, stage_seconds
+from floeflow.analysis.estimate.dimensionless_numbers import (
+    ICE_CONDUCTIVITY,
+    ICE_HEAT,
+    NUMBERS,
+    meaning,
+    sea_delay,
+)
+from floeflow.analysis.estimate.drift import run_drift
+from floeflow.analysis.estimate.ice import open_water_loss, run_ice
+from floeflow.analysis.estimate.influence import influence, without
+from floeflow.analysis.estimate.rule import estimates
+from floeflow.scene import load_scene
+from floeflow.scene.effects import EFFECTS
 
 ROOT = Path(__file__).parents[2]
 SMOKE = ROOT / "config/scenes/smoke.yaml"
@@ -237,7 +243,7 @@ def test_auto_chooses_and_says_why(tmp_path: Path):
 
 
 def test_the_command_prints_the_table():
-    command = [sys.executable, "-m", "floeflow.effects", str(SMOKE)]
+    command = [sys.executable, "-m", "floeflow.scene.effects", str(SMOKE)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     for name in EFFECTS:

@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 from synthetic import X0, Y0, Run, first_state, make_mask, make_packing
 
-from floeflow.config.blocks import Domain
-from floeflow.postprocess.figures import bonds, gridmaps, maps, series, style
-from floeflow.postprocess.figures.budgets import budget_figure, budget_unit
-from floeflow.postprocess.figures.cost import cost_figure
-from floeflow.postprocess.figures.frame import Frame, prepare_axes
+from floeflow.report.figures import bonds, gridmaps, maps, series, style
+from floeflow.report.figures.budgets import budget_figure, budget_unit
+from floeflow.report.figures.cost import cost_figure
+from floeflow.report.figures.frame import Frame, prepare_axes
+from floeflow.scene.blocks import Domain
 from floeflow.state import read_state
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from floeflow.config import parse_scene
-from floeflow.frontdoor import MAX_DEPTH, Run, window_groups
+from floeflow.scene import parse_scene
+from floeflow.workflow.open_run import MAX_DEPTH, Run, window_groups
 
 
 @given(windows=st.integers(1, 3000), per_job=st.integers(0, 50))

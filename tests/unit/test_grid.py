@@ -11,15 +11,15 @@ import pyproj
 import pytest
 import xarray as xr
 
-from floeflow.config import load_scene
-from floeflow.constants import ICE_DENSITY, SNOW_DENSITY
-from floeflow.errors import FloeError
-from floeflow.postprocess import grid as stage_module
-from floeflow.postprocess.budgets import grid_budget
-from floeflow.postprocess.cf import write_grid
-from floeflow.postprocess.grid import gridded_fields, hat_reach, make_grid, sea_room
-from floeflow.postprocess.remap import Grid
+from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics import gridded as stage_module
+from floeflow.diagnostics.budgets import grid_budget
+from floeflow.diagnostics.cf_output import write_grid
+from floeflow.diagnostics.gridded import gridded_fields, hat_reach, make_grid, sea_room
+from floeflow.scene import load_scene
 from floeflow.state import write_dataset, write_state
+from floeflow.transfer import Grid
 
 CELL, SIZE, REFINE = 1.0e5, 8, 4
 X0, Y0 = -4.0e5, 2.0e5

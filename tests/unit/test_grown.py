@@ -11,11 +11,11 @@ from rafts import discs
 from test_state import a_state
 from test_walls import a_packing, a_scene
 
-from floeflow.dynamics.bondtable import element_rows
-from floeflow.dynamics.elements import element_arrays, pair_arrays
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.grown import keep_forces
-from floeflow.preprocess.initial import make_state
+from floeflow.coupling.initial import make_state
+from floeflow.dynamics.bonds.stress_free_growth import keep_forces
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.state.bonds import element_rows
+from floeflow.state.elements import element_arrays, pair_arrays
 
 LEAST = 1e-3
 PRESSED = 3.0  # m of elastic overlap

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.errors import FloeError
-from floeflow.lock import claim_scene, clear_stale_locks, hold_alone, hold_job
+from floeflow.core.errors import FloeError
+from floeflow.core.lock import claim_scene, clear_stale_locks, hold_alone, hold_job
 
 HOLDER = """
 import sys
 from pathlib import Path
-from floeflow import lock
+from floeflow.core import lock
 folder = Path(sys.argv[2])
 with lock.hold_job(folder) if sys.argv[1] == "job" else lock.hold_alone(folder / ".lock", "x"):
     print("held", flush=True)

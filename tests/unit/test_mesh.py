@@ -11,11 +11,11 @@ import pytest
 import shapely
 from synthetic import make_run
 
-from floeflow.errors import FloeError
-from floeflow.postprocess import mesh
-from floeflow.postprocess.mesh import cell_fields, write_meshes
-from floeflow.postprocess.meshes import write_polygons, write_series
-from floeflow.postprocess.outlines import DISC_CORNERS, body_outlines, carried_outlines
+from floeflow.core.errors import FloeError
+from floeflow.core.meshes import write_polygons, write_series
+from floeflow.core.polygons import DISC_CORNERS, body_outlines, carried_outlines
+from floeflow.diagnostics import mesh_series as mesh
+from floeflow.diagnostics.mesh_series import cell_fields, write_meshes
 from floeflow.state import read_dataset, read_state
 
 
@@ -230,4 +230,4 @@ def test_one_module_imports_meshio(project):
         for path in (project / folder).rglob("*.py")
         if re.search(r"^\s*(import|from) meshio", path.read_text(), re.MULTILINE)
     ]
-    assert found == ["postprocess/meshes.py"]
+    assert found == ["floeflow/core/meshes.py"]

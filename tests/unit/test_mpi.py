@@ -8,12 +8,12 @@ import sys
 
 import pytest
 
-from floeflow.mpi import mpi_environment
+from floeflow.core.mpi import mpi_environment
 
 BELOW = """
 import subprocess, sys
 from mpi4py import MPI
-from floeflow.mpi import mpi_environment
+from floeflow.core.mpi import mpi_environment
 # As subprocess has it: MPI changes the environment behind Python's back.
 lines = subprocess.run(["env", "-0"], capture_output=True, text=True).stdout.split("\\0")
 inherited = dict(line.split("=", 1) for line in lines if line)

@@ -17,13 +17,13 @@ from mpi4py import MPI
 from rafts import bonded, discs, lattice, uniform
 from synthetic import SPACING, WIDTH, X0, Y0, first_state, make_packing
 
-from floeflow.config import Scene
-from floeflow.config.load import build_scene
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.march import advance_window
-from floeflow.effects import forcing_variables
-from floeflow.preprocess.grids import scene_grid
-from floeflow.studies.orders import observed_order
+from floeflow.analysis.studies.orders import observed_order
+from floeflow.core.grids import scene_grid
+from floeflow.coupling.coupled_windows import advance_window
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.scene import Scene
+from floeflow.scene.effects import forcing_variables
+from floeflow.scene.load import build_scene
 
 SELF = MPI.COMM_SELF
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.dynamics.pluginlib import plugin_path
-from floeflow.mpi import mpi_environment
+from floeflow.core.mpi import mpi_environment
+from floeflow.dynamics.engine.plugin import plugin_path
 
 
 def inclusive_counts(counts: Path) -> dict[str, int]:

@@ -9,29 +9,35 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.config import Scene, load_scene
-from floeflow.config.load import build_scene, read_keys
-from floeflow.dynamics.elements import element_arrays, pair_arrays
+from floeflow.analysis.estimate import cost
+from floeflow.analysis.estimate.conditions import Conditions, conditions
+from floeflow.analysis.estimate.cost import WORK, coefficients, run_seconds, sizes, stage_seconds
+from floeflow.analysis.plan.__main__ import as_time, main
+from floeflow.analysis.plan.fit_costs import Run, fit_costs, fit_whole_runs, read_runs
+from floeflow.analysis.plan.fit_errors import Study, fit_choices, fit_laws
+from floeflow.analysis.plan.pack import fitted_to_pack
+from floeflow.analysis.plan.precision import (
+    ErrorModel,
+    error_model,
+    knob_errors,
+    resolutions,
+    total_error,
+)
+from floeflow.analysis.plan.propose import adjusted, for_budget, for_error, parse_budget, proposals
+from floeflow.analysis.plan.refit import held_out, refit
+from floeflow.analysis.studies.knobs import knobs
+from floeflow.analysis.studies.variants import changed
+from floeflow.core.errors import FloeError
+from floeflow.coupling.initial import make_state
 from floeflow.dynamics.motion import engine_params
-from floeflow.dynamics.timestep import critical_step
-from floeflow.errors import FloeError
-from floeflow.estimate import cost
-from floeflow.estimate.conditions import Conditions, conditions
-from floeflow.estimate.cost import WORK, coefficients, run_seconds, sizes, stage_seconds
-from floeflow.plan.__main__ import as_time, main
-from floeflow.plan.fit_costs import Run, fit_costs, fit_whole_runs, read_runs
-from floeflow.plan.fit_errors import Study, fit_choices, fit_laws
-from floeflow.plan.pack import fitted_to_pack
-from floeflow.plan.precision import ErrorModel, error_model, knob_errors, resolutions, total_error
-from floeflow.plan.propose import adjusted, for_budget, for_error, parse_budget, proposals
-from floeflow.plan.refit import held_out, refit
-from floeflow.preprocess.bonds import make_bonds
-from floeflow.preprocess.initial import make_state
-from floeflow.preprocess.mask import make_mask
-from floeflow.preprocess.packing import make_packing
-from floeflow.stage import CPU_LINE
-from floeflow.studies.knobs import knobs
-from floeflow.studies.variants import changed
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.masks.mask import make_mask
+from floeflow.packings.bonds import make_bonds
+from floeflow.packings.packing import make_packing
+from floeflow.scene import Scene, load_scene
+from floeflow.scene.load import build_scene, read_keys
+from floeflow.state.elements import element_arrays, pair_arrays
+from floeflow.workflow.job import CPU_LINE
 
 ROOT = Path(__file__).parents[2]
 SMOKE = ROOT / "config/scenes/smoke.yaml"

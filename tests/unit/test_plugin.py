@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.dynamics.pluginlib import load_plugin
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.plugin import load_plugin
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 from test_preprocess_packing import coastline, mobile
 
-from floeflow.config.blocks import Packing
-from floeflow.preprocess import bonds, packing
+from floeflow.packings import bonds, packing
+from floeflow.scene.blocks import Packing
 
 
 @pytest.fixture(scope="module")

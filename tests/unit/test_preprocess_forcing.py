@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.config.blocks import Scene
-from floeflow.effects import EFFECTS, forcing_variables
-from floeflow.errors import FloeError
-from floeflow.preprocess import analytic, forcing, grids, moisture
+from floeflow.core import grids
+from floeflow.core.errors import FloeError
+from floeflow.forcings import analytic, forcing, moisture
+from floeflow.scene.blocks import Scene
+from floeflow.scene.effects import EFFECTS, forcing_variables
 
 POLE = {"x_min": -5e5, "x_max": 5e5, "y_min": -5e5, "y_max": 5e5, "spacing": 1e5}
 AWAY = {"x_min": -2e6, "x_max": -1e6, "y_min": 4e5, "y_max": 1.2e6, "spacing": 1e5}

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.config import load_scene, stage_hash
-from floeflow.config.blocks import Scene
-from floeflow.effects import EFFECTS
-from floeflow.preprocess import bonds, initial, land, mask, packing
+from floeflow.coupling import initial
+from floeflow.masks import land, mask
+from floeflow.packings import bonds, packing
+from floeflow.scene import load_scene, stage_hash
+from floeflow.scene.blocks import Scene
+from floeflow.scene.effects import EFFECTS
 from floeflow.state import check_state, read_state, write_state
 from floeflow.state.files import checksum
 

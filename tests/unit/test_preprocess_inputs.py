@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.config import load_scene
-from floeflow.config.blocks import Scene
-from floeflow.errors import FloeError
-from floeflow.preprocess import analytic, inputs
+from floeflow.core.errors import FloeError
+from floeflow.forcings import analytic, inputs
+from floeflow.scene import load_scene
+from floeflow.scene.blocks import Scene
 
 SMALL = {"x_min": -2e5, "x_max": 2e5, "y_min": -8e5, "y_max": -4e5, "spacing": 1e5}
 

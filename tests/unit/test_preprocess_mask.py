@@ -12,9 +12,10 @@ import pyproj
 import pytest
 import xarray as xr
 
-from floeflow.config.blocks import Scene
-from floeflow.errors import FloeError
-from floeflow.preprocess import grids, mask
+from floeflow.core import grids
+from floeflow.core.errors import FloeError
+from floeflow.masks import mask
+from floeflow.scene.blocks import Scene
 
 DOMAIN = {"x_min": -1.0e6, "x_max": 1.0e6, "y_min": -1.2e6, "y_max": 0.8e6, "spacing": 2.0e5}
 

@@ -14,8 +14,8 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from floeflow.config.blocks import Packing
-from floeflow.preprocess import bonds, packing, tessellation
+from floeflow.packings import bonds, packing, tessellation
+from floeflow.scene.blocks import Packing
 from floeflow.state.files import checksum
 
 SPACING = 5.0e4
@@ -230,8 +230,8 @@ def test_same_seed_same_bits_in_another_process(packed: xr.Dataset) -> None:
     code = (
         "import sys; sys.path.insert(0, sys.argv[1])\n"
         "from test_preprocess_packing import coastline\n"
-        "from floeflow.config.blocks import Packing\n"
-        "from floeflow.preprocess.packing import make_packing\n"
+        "from floeflow.scene.blocks import Packing\n"
+        "from floeflow.packings.packing import make_packing\n"
         "from floeflow.state.files import checksum\n"
         "print(checksum(make_packing(coastline(), Packing(elements=300), 7)))\n"
     )

@@ -8,9 +8,9 @@ import pytest
 import xarray as xr
 from test_preprocess_packing import coastline, mobile
 
-from floeflow.config.blocks import Packing
-from floeflow.preprocess import discs, packing, points, tessellation
-from floeflow.preprocess.grids import Grid
+from floeflow.core.grids import Grid
+from floeflow.packings import discs, packing, points, tessellation
+from floeflow.scene.blocks import Packing
 from floeflow.state.files import checksum
 
 

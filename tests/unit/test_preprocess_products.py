@@ -12,8 +12,10 @@ import pytest
 import xarray as xr
 from test_preprocess_mask import scene_of
 
-from floeflow.config.blocks import Scene
-from floeflow.preprocess import forcing, grids, land, mask, vectors
+from floeflow.core import grids, vectors
+from floeflow.forcings import forcing
+from floeflow.masks import land, mask
+from floeflow.scene.blocks import Scene
 
 
 def test_areas_are_true_on_a_conformal_projection() -> None:

@@ -7,8 +7,9 @@ import numpy as np
 import pyproj
 import pytest
 
-from floeflow.config.blocks import Cyclone, Gyre
-from floeflow.preprocess import analytic, forcing, grids, vectors
+from floeflow.core import grids, vectors
+from floeflow.forcings import analytic, forcing
+from floeflow.scene.blocks import Cyclone, Gyre
 
 
 @pytest.mark.parametrize(

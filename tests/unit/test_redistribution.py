@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from floeflow.column.categories import category_bounds
-from floeflow.column.closing import close_columns
-from floeflow.column.first import first_columns
+from floeflow.column.initial_columns import first_columns
 from floeflow.column.params import Settings
-from floeflow.column.redistribution import (
+from floeflow.column.schemes import SCHEMES, scheme_of
+from floeflow.column.thickness.categories import category_bounds
+from floeflow.column.thickness.redistribution import (
     PARTICIPATION,
     SNOW_KEPT,
     participation,
@@ -21,7 +21,7 @@ from floeflow.column.redistribution import (
     ridge_shape,
     ridge_shares,
 )
-from floeflow.column.schemes import SCHEMES, scheme_of
+from floeflow.column.thickness.ridging_closure import close_columns
 
 
 def draw(seed: int, n: int, categories: int) -> dict[str, np.ndarray]:

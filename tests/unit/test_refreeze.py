@@ -12,9 +12,9 @@ from mpi4py import MPI
 from rafts import bonded, discs
 from test_state import a_state
 
-from floeflow.dynamics.bondtable import Arrays, empty_pairs
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.refreeze import Cold, freeze, refreeze, thicken, touch_times
+from floeflow.dynamics.bonds.refreeze import Cold, freeze, refreeze, thicken, touch_times
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.state.bonds import Arrays, empty_pairs
 from floeflow.state.schema import check_state
 
 DAY = 86400.0

@@ -15,11 +15,11 @@ from rafts import bonded, discs
 from test_refreeze import COLD, DAY, contact, summer, winter
 from test_state import a_state
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.elements import element_arrays, moved_state, pair_arrays
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.refreeze import freeze, heal, refreeze, thicken
+from floeflow.dynamics.bonds.refreeze import freeze, heal, refreeze, thicken
+from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.state import read_state, write_state
+from floeflow.state.bonds import Arrays
+from floeflow.state.elements import element_arrays, moved_state, pair_arrays
 
 EFFECTS = ("friction", "bonds", "ridging", "refreeze", "thermodynamics", "snow")
 PULL = EngineParams(

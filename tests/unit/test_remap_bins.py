@@ -6,16 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from floeflow.errors import FloeError
-from floeflow.postprocess.remap import (
-    Field,
-    Grid,
-    Remapper,
-    build_bins,
-    build_room,
-    build_weights,
-    remap,
-)
+from floeflow.core.errors import FloeError
+from floeflow.transfer import Field, Grid, Remapper, build_bins, build_room, build_weights, remap
 
 GRID = Grid(np.arange(6.0), np.arange(5.0))
 PARTS = 4

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from floeflow.errors import FloeError
-from floeflow.postprocess.remap.bounded import Ranks, nearest_bounded
+from floeflow.core.errors import FloeError
+from floeflow.transfer.bounded import Ranks, nearest_bounded
 
 
 def problem(seed, n, groups=1):

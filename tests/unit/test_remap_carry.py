@@ -6,18 +6,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from floeflow.errors import FloeError
-from floeflow.postprocess.remap import (
+from floeflow.core.errors import FloeError
+from floeflow.transfer import (
     EMPTY,
     ROOM,
     Field,
     Grid,
     Ranks,
     build_remapper,
-    carry,
     curvilinear,
     open_room,
 )
+from floeflow.transfer import carry
 
 FIELDS = (
     Field("area", "extensive", ROOM),

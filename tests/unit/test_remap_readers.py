@@ -7,9 +7,9 @@ import pyproj
 import pytest
 import xarray as xr
 
-from floeflow.errors import FloeError
-from floeflow.postprocess.remap import MLS, Grid, Mesh, build_weights
-from floeflow.postprocess.remap.readers import read_target
+from floeflow.core.errors import FloeError
+from floeflow.transfer import MLS, Grid, Mesh, build_weights
+from floeflow.transfer.readers import read_target
 
 CRS = "EPSG:3413"
 PLANE = pyproj.CRS(CRS)

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from floeflow.errors import FloeError
-from floeflow.postprocess.remap import (
+from floeflow.core.errors import FloeError
+from floeflow.transfer import (
     Grid,
     build_sampler,
     curvilinear,

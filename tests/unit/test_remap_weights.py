@@ -7,8 +7,9 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from floeflow.errors import FloeError
-from floeflow.postprocess.remap import (
+from floeflow.core.errors import FloeError
+from floeflow.state import write_dataset
+from floeflow.transfer import (
     EMPTY,
     FILLED,
     MLS,
@@ -19,8 +20,7 @@ from floeflow.postprocess.remap import (
     load_weights,
     save_weights,
 )
-from floeflow.postprocess.remap.weights import node_moments
-from floeflow.state import write_dataset
+from floeflow.transfer.weights import node_moments
 
 
 def unit_grid(cells):

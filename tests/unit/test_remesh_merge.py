@@ -12,10 +12,10 @@ from mpi4py import MPI
 from rafts import angular_momentum
 from remesh_cases import coast_case, scales, totals
 
-from floeflow.dynamics.elements import element_arrays, joint_thickness, pair_arrays
-from floeflow.dynamics.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.dynamics.remesh.merge import merge, merge_targets
-from floeflow.dynamics.ridging import contact_share
+from floeflow.dynamics.ridging.ridging import contact_share
+from floeflow.state.elements import element_arrays, joint_thickness, pair_arrays
 from floeflow.state.schema import MOBILE, check_state
 
 SHARE = 0.9

@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 from test_preprocess_packing import coastline
 
-from floeflow.config.blocks import Packing
-from floeflow.dynamics.remesh.cells import read_cells
 from floeflow.dynamics.remesh.overlap import carried_polygons, covered, make_pieces, overlap
-from floeflow.preprocess import cells, packing
+from floeflow.packings import fresh_cells as cells
+from floeflow.packings import packing
+from floeflow.scene.blocks import Packing
+from floeflow.state.cells import read_cells
 from floeflow.state.schema import COAST, MOBILE
 
 

@@ -9,14 +9,14 @@ import shapely
 import xarray as xr
 from remesh_cases import coast_case, jiggled, remapped, scales, spacing_of, totals
 
-from floeflow.config import parse_scene
-from floeflow.dynamics.elements import joint_thickness
-from floeflow.dynamics.remesh.cells import Cells
 from floeflow.dynamics.remesh.outline import cut
 from floeflow.dynamics.remesh.remap import lay, overlapping, remap
-from floeflow.dynamics.remesh.rule import cure
+from floeflow.dynamics.remesh.remesh import cure
 from floeflow.dynamics.remesh.tables import overlapping_discs
-from floeflow.dynamics.ridging import contact_share
+from floeflow.dynamics.ridging.ridging import contact_share
+from floeflow.scene import parse_scene
+from floeflow.state.cells import Cells
+from floeflow.state.elements import joint_thickness
 from floeflow.state.schema import COAST, MOBILE, check_state
 
 

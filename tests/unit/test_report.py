@@ -15,14 +15,15 @@ import pytest
 from matplotlib.figure import Figure
 from synthetic import Run, make_run
 
-from floeflow.effects import EFFECTS
-from floeflow.errors import FloeError
-from floeflow.postprocess import diagnostics, report
-from floeflow.postprocess.expense import stages, total_seconds
-from floeflow.postprocess.report import read_numbers, render
-from floeflow.postprocess.wording import duration, number, scene_keys, with_unit
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics import diagnostics
+from floeflow.diagnostics.run_cost import stages, total_seconds
+from floeflow.report import report
+from floeflow.report.report import read_numbers, render
+from floeflow.report.report_text import duration, number, scene_keys, with_unit
+from floeflow.report.study_page import Study, Table, draw, write_study
+from floeflow.scene.effects import EFFECTS
 from floeflow.state import read_state, write_state
-from floeflow.studies.page import Study, Table, draw, write_study
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 SECTIONS = [

@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 from test_state import a_state
 
-from floeflow.dynamics import resume
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.coupling import resume
 from floeflow.state import read_state, write_dataset, write_state
 
 FIXED = {"dynamics": "a", "plugin": "b", "ranks": "2"}

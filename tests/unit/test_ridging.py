@@ -12,10 +12,10 @@ from mpi4py import MPI
 from rafts import bonded, lattice
 from test_state import a_state
 
-from floeflow.dynamics.elements import element_arrays, moved_state, pair_arrays
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.ridging import close_areas
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.ridging.ridging import close_areas
+from floeflow.state.elements import element_arrays, moved_state, pair_arrays
 from floeflow.state.schema import check_state, expected_variables
 
 EFFECTS = ("friction", "bonds", "ridging", "thermodynamics", "snow")

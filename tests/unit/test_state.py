@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.effects import EFFECTS
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.scene.effects import EFFECTS
 from floeflow.state import SCHEMA_VERSION, VARIABLES, read_dataset, read_state, write_state
 from floeflow.state.files import checksum
 from floeflow.state.schema import EXACT, ROUNDED, check_state, expected_variables

@@ -14,30 +14,43 @@ import pytest
 import xarray as xr
 from synthetic import make_run
 
-from floeflow.config import Scene, load_scene
-from floeflow.config.load import build_scene
-from floeflow.effects import EFFECTS
-from floeflow.errors import FloeError
-from floeflow.estimate.choose import scene_estimates
-from floeflow.preprocess.grids import scene_grid
-from floeflow.stage import CPU_LINE
+from floeflow.analysis.estimate.choose import scene_estimates
+from floeflow.analysis.studies import compare
+from floeflow.analysis.studies.ablation_figure import ablation_figure
+from floeflow.analysis.studies.ablation_page import effect_table, sentences
+from floeflow.analysis.studies.ablation_table import ablation_table
+from floeflow.analysis.studies.accuracy_figure import accuracy_figure, is_felt
+from floeflow.analysis.studies.accuracy_page import order_table, recommendation_table, run_table
+from floeflow.analysis.studies.accuracy_table import (
+    Accuracy,
+    Convergence,
+    Point,
+    Runs,
+    as_dataset,
+    pareto,
+)
+from floeflow.analysis.studies.knobs import knobs
+from floeflow.analysis.studies.measures import KEPT, NORMS
+from floeflow.analysis.studies.nested import read_outcome
+from floeflow.analysis.studies.orders import observed_order, with_tail
+from floeflow.analysis.studies.plans import STUDIES, study_variants
+from floeflow.analysis.studies.recommend import most_accurate, quieted, recommend, settings
+from floeflow.analysis.studies.share import link_shared, shared_files
+from floeflow.analysis.studies.variants import (
+    Variant,
+    changed,
+    run_name,
+    variant_keys,
+    write_variant,
+)
+from floeflow.core.errors import FloeError
+from floeflow.core.grids import scene_grid
+from floeflow.report.study_page import Study, as_markdown, render_study
+from floeflow.scene import Scene, load_scene
+from floeflow.scene.effects import EFFECTS
+from floeflow.scene.load import build_scene
 from floeflow.state import write_dataset
-from floeflow.studies import compare
-from floeflow.studies.ablation_figure import ablation_figure
-from floeflow.studies.ablation_page import effect_table, sentences
-from floeflow.studies.ablation_table import ablation_table
-from floeflow.studies.accuracy_figure import accuracy_figure, is_felt
-from floeflow.studies.accuracy_page import order_table, recommendation_table, run_table
-from floeflow.studies.accuracy_table import Accuracy, Convergence, Point, Runs, as_dataset, pareto
-from floeflow.studies.knobs import knobs
-from floeflow.studies.measures import KEPT, NORMS
-from floeflow.studies.nested import read_outcome
-from floeflow.studies.orders import observed_order, with_tail
-from floeflow.studies.page import Study, as_markdown, render_study
-from floeflow.studies.plans import STUDIES, study_variants
-from floeflow.studies.recommend import most_accurate, quieted, recommend, settings
-from floeflow.studies.share import link_shared, shared_files
-from floeflow.studies.variants import Variant, changed, run_name, variant_keys, write_variant
+from floeflow.workflow.job import CPU_LINE
 
 ROOT = Path(__file__).parents[2]
 SMOKE = ROOT / "config/scenes/smoke.yaml"

@@ -10,9 +10,9 @@ import pytest
 from mpi4py import MPI
 from rafts import bonded, discs, lattice
 
-from floeflow.dynamics.engine import Engine, EngineError, EngineParams
-from floeflow.dynamics.timestep import critical_step
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.engine import Engine, EngineError, EngineParams
+from floeflow.dynamics.step.critical import critical_step
 
 UNDAMPED = {"bond_damping": 0.0, "contact_damping": 0.0}
 

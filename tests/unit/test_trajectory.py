@@ -9,14 +9,9 @@ import pytest
 import xarray as xr
 from synthetic import make_run, masses
 
-from floeflow.errors import FloeError
-from floeflow.postprocess import trajectory
-from floeflow.postprocess.trajectory import (
-    drift_statistics,
-    make_frames,
-    make_universe,
-    write_dump,
-)
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics import trajectory
+from floeflow.diagnostics.trajectory import drift_statistics, make_frames, make_universe, write_dump
 from floeflow.state import read_dataset, read_state, write_state
 
 with warnings.catch_warnings():

@@ -11,19 +11,19 @@ import pytest
 import xarray as xr
 from mpi4py import MPI
 
-from floeflow.config.blocks import Scene
-from floeflow.config.load import parse_scene
-from floeflow.dynamics.elements import element_arrays, pair_arrays
-from floeflow.dynamics.march import advance_window
+from floeflow.core.errors import FloeError
+from floeflow.coupling.coupled_windows import advance_window
+from floeflow.coupling.initial import make_state
+from floeflow.coupling.initial_walls import cut, make_walls
+from floeflow.diagnostics.budgets import dem_energy_budget, momentum_budget
 from floeflow.dynamics.motion import engine_params
-from floeflow.dynamics.walls import distances, lines, plane
-from floeflow.effects import EFFECTS
-from floeflow.errors import FloeError
-from floeflow.postprocess.budgets import dem_energy_budget, momentum_budget
-from floeflow.preprocess.initial import make_state
-from floeflow.preprocess.walls import cut, make_walls
+from floeflow.scene.blocks import Scene
+from floeflow.scene.effects import EFFECTS
+from floeflow.scene.load import parse_scene
+from floeflow.state.elements import element_arrays, pair_arrays
 from floeflow.state.files import read_state, write_state
 from floeflow.state.schema import check_state, expected_variables
+from floeflow.state.walls import distances, lines, plane
 
 SCENE = """
 effects: [{effects}]

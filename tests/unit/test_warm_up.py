@@ -11,8 +11,9 @@ from remesh_cases import coast_case
 from test_column_forcing import forcing_data
 
 from floeflow.column import schemes
-from floeflow.config import Scene, parse_scene
-from floeflow.dynamics import coupling, march
+from floeflow.coupling import columns as coupling
+from floeflow.coupling import coupled_windows as march
+from floeflow.scene import Scene, parse_scene
 
 EFFECTS = "friction, bonds, ridging, thermodynamics, snow, redistribution"
 

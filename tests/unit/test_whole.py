@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.errors import FloeError
-from floeflow.whole import write_text, write_whole
+from floeflow.core.atomic_write import write_text, write_whole
+from floeflow.core.errors import FloeError
 
 
 @pytest.mark.parametrize("fault", [OSError(28, "No space left on device"), ValueError("odd")])

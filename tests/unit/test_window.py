@@ -9,10 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.config import parse_scene
-from floeflow.dynamics import progress, window
-from floeflow.dynamics.job import Job
-from floeflow.errors import FloeError
+from floeflow.core.errors import FloeError
+from floeflow.coupling import launch as window
+from floeflow.coupling import progress
+from floeflow.coupling.job import Job
+from floeflow.scene import parse_scene
 
 EVENT = {"window": "0002", "step": 25, "steps": 100, "elements": 40, "dynamics_seconds": 2.0}
 

@@ -15,13 +15,13 @@ import pytest
 import xarray as xr
 from runner import Done, Place, make_place
 
-from floeflow.config import load_scene
-from floeflow.effects import EFFECTS, compatible
-from floeflow.estimate.influence import without
-from floeflow.frontdoor import window_name
-from floeflow.postprocess.collect import expected_series
+from floeflow.analysis.estimate.influence import without
+from floeflow.diagnostics.collect import expected_series
+from floeflow.scene import load_scene
+from floeflow.scene.effects import EFFECTS, compatible
 from floeflow.state import read_dataset, read_state
 from floeflow.state.schema import expected_variables
+from floeflow.workflow.open_run import window_name
 
 pytestmark = pytest.mark.workflow
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from runner import Done, make_place
 
+from floeflow.analysis.studies.measures import KEPT
 from floeflow.state import read_dataset
-from floeflow.studies.measures import KEPT
 
 pytestmark = pytest.mark.workflow
 

@@ -4,10 +4,10 @@
 import sys
 from pathlib import Path
 
-from floeflow.config import stage_hash
-from floeflow.frontdoor import PLUGIN, open_scene
-from floeflow.postprocess.digests import valid_digests
-from floeflow.studies.plans import STUDIES, study_variants
+from floeflow.scene import stage_hash
+from floeflow.workflow.open_run import PLUGIN, open_scene
+from floeflow.diagnostics.study_summaries import valid_digests
+from floeflow.analysis.studies.plans import STUDIES, study_variants
 
 RUN = open_scene(config, workflow)
 EFFECTS = RUN.scene.effects

@@ -28,4 +28,4 @@ rule window:
     message:
         "Windows {params.windows}: dynamics and column on {threads} ranks"
     script:
-        "../../dynamics/window.py"
+        "../../floeflow/coupling/launch.py"

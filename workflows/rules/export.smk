@@ -38,7 +38,7 @@ rule trajectory_files:
     message:
         "Trajectory: the elements through all states, and their drift"
     script:
-        "../../postprocess/trajectory.py"
+        "../../floeflow/diagnostics/trajectory.py"
 
 
 rule mesh_files:
@@ -66,4 +66,4 @@ rule mesh_files:
     message:
         "Mesh: the elements' cells at all window boundaries"
     script:
-        "../../postprocess/mesh.py"
+        "../../floeflow/diagnostics/mesh_series.py"

@@ -20,7 +20,7 @@ rule grid:
     message:
         "Grid: state {wildcards.window} on the scene's grid"
     script:
-        "../../postprocess/grid.py"
+        "../../floeflow/diagnostics/gridded.py"
 
 
 rule diagnostics:
@@ -48,7 +48,7 @@ rule diagnostics:
     message:
         "Diagnostics: series, budgets and their residuals"
     script:
-        "../../postprocess/diagnostics.py"
+        "../../floeflow/diagnostics/diagnostics.py"
 
 
 rule report:
@@ -78,4 +78,4 @@ rule report:
     message:
         "Report: maps, series, budgets and cost of the scene"
     script:
-        "../../postprocess/report.py"
+        "../../floeflow/report/report.py"

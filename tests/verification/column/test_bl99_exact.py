@@ -7,9 +7,9 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import erf
 
-from floeflow.column.categories import category_bounds
 from floeflow.column.layered import LayeredState, pack_forcing, step
 from floeflow.column.physics import Physics
+from floeflow.column.thickness.categories import category_bounds
 
 COLD = -20.0  # degC, of the surface
 # Fresh ice, no vapour, no long-wave radiation; the air holds the surface at its temperature.

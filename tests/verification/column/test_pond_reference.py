@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, worst, year
 
-from floeflow.column.categories import category_bounds
 from floeflow.column.layered import (
     LayeredState,
     ice_residual,
@@ -19,6 +18,7 @@ from floeflow.column.layered import (
     take,
     water_residual,
 )
+from floeflow.column.thickness.categories import category_bounds
 
 CASE = "mushy_n5_dEdd_pondlvl"
 POND = 1e-3  # m of water on the ice, from which on it counts as ponded

@@ -8,8 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sound_columns import sound
 
-from floeflow.column.categories import category_bounds
-from floeflow.column.enthalpy import salinity_profile
 from floeflow.column.kernel import HOUR
 from floeflow.column.layered import (
     LayeredState,
@@ -23,8 +21,10 @@ from floeflow.column.layered import (
     take,
     water_residual,
 )
-from floeflow.column.mush import brine_salinity, liquidus
 from floeflow.column.physics import Physics
+from floeflow.column.thermodynamics.enthalpy import salinity_profile
+from floeflow.column.thermodynamics.mush import brine_salinity, liquidus
+from floeflow.column.thickness.categories import category_bounds
 
 P = Physics()
 DEPTH = 20.0  # m

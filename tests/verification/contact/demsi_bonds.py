@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from floeflow.dynamics.bondtable import Arrays, element_rows
+from floeflow.state.bonds import Arrays, element_rows
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from floeflow.dynamics.bondtable import Arrays, element_rows
+from floeflow.state.bonds import Arrays, element_rows
 
 # Two points integrate the square of what is linear along the line exactly.
 GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)

@@ -18,11 +18,11 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from floeflow.dynamics.bondtable import Arrays, new_bonds
-from floeflow.dynamics.engine import Engine, EngineParams, Forcing
-from floeflow.dynamics.timestep import critical_step
-from floeflow.preprocess.grids import Grid
-from floeflow.preprocess.tessellation import power_diagram
+from floeflow.core.grids import Grid
+from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.packings.tessellation import power_diagram
+from floeflow.state.bonds import Arrays, new_bonds
 
 SIDE, SMALLEST, LARGEST, FILLED = 400e3, 3e3, 5e3, 0.78
 GRADIENT = 1.44e-6  # Pa/m

@@ -12,10 +12,10 @@ import xarray as xr
 from mpi4py import MPI
 from test_state import a_state
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.elements import element_arrays, moved_state, pair_arrays
-from floeflow.dynamics.engine import Engine, EngineParams, Forcing
-from floeflow.dynamics.ridging import close_areas
+from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.ridging.ridging import close_areas
+from floeflow.state.bonds import Arrays
+from floeflow.state.elements import element_arrays, moved_state, pair_arrays
 from floeflow.state.schema import check_state
 
 LEAST = 1e-3  # m, of ice that is given a mass

@@ -12,9 +12,9 @@ import pytest
 from mpi4py import MPI
 from rafts import angular_momentum, bonded, discs, lattice
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.timestep import critical_step
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.state.bonds import Arrays
 
 SELF = MPI.COMM_SELF
 LOSSES = ("bond", "contact", "friction", "fracture")

@@ -23,9 +23,9 @@ from mpi4py import MPI
 from rafts import bonded, discs, uniform
 from scipy.sparse.linalg import eigsh, spsolve
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams, Forcing
-from floeflow.dynamics.timestep import critical_step
+from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.state.bonds import Arrays
 
 SELF = MPI.COMM_SELF
 COLUMNS, ROWS, RADIUS, THICKNESS, YOUNG, POISSON = 30, 3, 2500.0, 0.2, 1e9, 0.3

@@ -20,12 +20,12 @@ from mpi4py import MPI
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from floeflow.config import Scene
-from floeflow.constants import AIR_DENSITY
+from floeflow.core.constants import AIR_DENSITY
+from floeflow.coupling.initial import make_state
 from floeflow.dynamics.motion import Motion, move
-from floeflow.preprocess.bonds import make_bonds
-from floeflow.preprocess.initial import make_state
-from floeflow.preprocess.packing import make_packing
+from floeflow.packings.bonds import make_bonds
+from floeflow.packings.packing import make_packing
+from floeflow.scene import Scene
 from floeflow.state.schema import COAST, check_state
 
 SIDE, WIDE, THICKNESS = 10e3, 100e3, 1.0

@@ -20,8 +20,8 @@ from glue_line import Side, cracks, displacement, failed, load_on
 from mpi4py import MPI
 from rafts import bonded, discs, uniform
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.state.bonds import Arrays
 
 SELF = MPI.COMM_SELF
 STEP, SPAN, HEAVY = 1.0 / 15.0, 5000.0, 1e27

@@ -11,7 +11,7 @@ from rafts import bonded, discs
 from test_refreeze import COLD, DAY, contact, winter
 from test_refreeze_strength import PULL, strength
 
-from floeflow.dynamics.refreeze import freeze, heal, thicken
+from floeflow.dynamics.bonds.refreeze import freeze, heal, thicken
 
 DAYS = np.array([0.0, 1.0, 3.0, 8.0, 12.0, 16.0])
 THICKNESS, TENSILE = 0.6, 1e5

@@ -17,7 +17,7 @@ import pytest
 from mpi4py import MPI
 from rafts import discs
 
-from floeflow.dynamics.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineParams
 
 SELF = MPI.COMM_SELF
 

@@ -17,8 +17,8 @@ from mpi4py import MPI
 from rafts import bonded, discs
 from ridge_law import EDGE, RidgeLaw, Ridging, demsi_force
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.state.bonds import Arrays
 
 SELF = MPI.COMM_SELF
 RADIUS, HEAVY, MODULUS = 2500.0, 1e27, 1e8

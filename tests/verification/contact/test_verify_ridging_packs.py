@@ -18,10 +18,10 @@ from rafts import discs, lattice
 from ridge_law import EDGE, RidgeLaw, Ridging
 from ridging_pack import CELL, LEAST, advance, assert_balance, pack_state
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.elements import element_arrays
-from floeflow.dynamics.engine import EngineParams, Forcing
-from floeflow.dynamics.timestep import critical_step
+from floeflow.dynamics.engine.engine import EngineParams, Forcing
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.state.bonds import Arrays
+from floeflow.state.elements import element_arrays
 
 RADIUS, LENGTH = 2500.0, 2 * EDGE * 2500.0
 LAWS = {"ridging": True, "compressive_strength": 1e5}

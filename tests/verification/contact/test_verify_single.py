@@ -14,7 +14,7 @@ from mpi4py import MPI
 from rafts import discs, uniform
 from scipy.integrate import solve_ivp
 
-from floeflow.dynamics.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineParams
 
 SELF = MPI.COMM_SELF
 

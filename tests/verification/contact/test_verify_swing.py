@@ -24,8 +24,8 @@ from test_verify_cantilever import (
     dead_load,
 )
 
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.timestep import critical_step
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.step.critical import critical_step
 
 # DEMSI's elements weigh as much as 0.1 m of ice of 900 kg/m3, its bonds are 0.2 m thick.
 DEMSI_MASS, DEMSI_DAMPING, STALE = 0.1 * 900.0 * math.pi * RADIUS**2, 1e4, 1.03504

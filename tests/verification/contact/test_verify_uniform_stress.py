@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine
-from floeflow.mpi import mpi_environment
+from floeflow.core.mpi import mpi_environment
+from floeflow.dynamics.engine.engine import Engine
+from floeflow.state.bonds import Arrays
 
 SHORT = 200e3  # side of the square of the short forms, m
 SMALLEST = 3  # elements: aggregates from this size on enter the exponent

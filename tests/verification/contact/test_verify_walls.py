@@ -12,10 +12,10 @@ import pytest
 from mpi4py import MPI
 from rafts import bonded, lattice
 
-from floeflow.dynamics import walls
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams
-from floeflow.dynamics.timestep import critical_step
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.state import walls
+from floeflow.state.bonds import Arrays
 
 SPEED, SECONDS = 1.0, 400.0
 LOSSES = ("bond", "contact", "friction", "fracture")

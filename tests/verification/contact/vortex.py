@@ -15,9 +15,9 @@ import numpy as np
 from mpi4py import MPI
 from rafts import discs
 
-from floeflow.dynamics import walls
-from floeflow.dynamics.bondtable import Arrays
-from floeflow.dynamics.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.state import walls
+from floeflow.state.bonds import Arrays
 
 BOX, RADIUS = 500e3, 2500.0
 AIR, WATER, DENSITY = 1.225 * 0.015, 1017 * 0.0045, 900.0

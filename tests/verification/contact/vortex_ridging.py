@@ -16,11 +16,11 @@ import xarray as xr
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
-from floeflow.config.load import parse_scene
-from floeflow.dynamics.elements import element_arrays, moved_state, pair_arrays
-from floeflow.dynamics.engine import Engine, EngineParams, Forcing
-from floeflow.dynamics.ridging import close_areas
-from floeflow.preprocess.initial import make_state
+from floeflow.coupling.initial import make_state
+from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.ridging.ridging import close_areas
+from floeflow.scene.load import parse_scene
+from floeflow.state.elements import element_arrays, moved_state, pair_arrays
 
 SCENE = b"""
 effects: [wind, ocean_drag, friction, ridging, walls]

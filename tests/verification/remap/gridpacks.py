@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from floeflow.postprocess.remap import ROOM, Field, Grid, build_remapper, carry, open_room
+from floeflow.transfer import ROOM, Field, Grid, build_remapper, open_room
+from floeflow.transfer import carry
 
 DISPLACEMENT = 0.25
 FIELDS = (Field("area", "extensive", ROOM), Field("f", "intensive", "area"))

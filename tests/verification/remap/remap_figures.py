@@ -13,9 +13,9 @@ from matplotlib.patches import Polygon
 from sheets import Sheet, ratios
 from squeeze import Squeeze
 
-from floeflow.dynamics.remesh.cells import rings_of
 from floeflow.dynamics.remesh.overlap import carried_polygons
 from floeflow.dynamics.remesh.remap import outlines
+from floeflow.state.cells import rings_of
 from floeflow.state.schema import MOBILE
 
 LINES = {"remap": "-", "merge": "--", "": ":"}

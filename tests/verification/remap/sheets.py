@@ -9,11 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from floeflow.config import Scene, parse_scene
-from floeflow.dynamics.remesh.cells import Cells, read_cells
+from floeflow.coupling import initial
 from floeflow.dynamics.remesh.remap import lay, remap
 from floeflow.dynamics.remesh.transport import amounts
-from floeflow.preprocess import cells, initial, packing
+from floeflow.packings import fresh_cells as cells
+from floeflow.packings import packing
+from floeflow.scene import Scene, parse_scene
+from floeflow.state.cells import Cells, read_cells
 from floeflow.state.schema import MOBILE, VARIABLES
 
 SIDE, MASK_CELLS = 1.0e6, 50

@@ -11,11 +11,13 @@ import xarray as xr
 from mpi4py import MPI
 from sheets import SIDE, scene, square_sea
 
-from floeflow.config import Scene
-from floeflow.dynamics.march import advance_window
-from floeflow.dynamics.remesh.cells import read_cells
-from floeflow.errors import FloeError
-from floeflow.preprocess import bonds, cells, initial, packing
+from floeflow.core.errors import FloeError
+from floeflow.coupling import initial
+from floeflow.coupling.coupled_windows import advance_window
+from floeflow.packings import bonds, packing
+from floeflow.packings import fresh_cells as cells
+from floeflow.scene import Scene
+from floeflow.state.cells import read_cells
 
 # The pack covers this part of the sea, and ends when it is half as wide.
 WIDTH, HEIGHT, THICKNESS = 0.8 * SIDE, 0.5 * SIDE, 0.5

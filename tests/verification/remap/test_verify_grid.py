@@ -9,7 +9,7 @@ from gridpacks import convergence, convergence_figure, displaced, unit_grid
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from floeflow.postprocess.remap import (
+from floeflow.transfer import (
     EMPTY,
     MLS,
     ROOM,
@@ -18,9 +18,9 @@ from floeflow.postprocess.remap import (
     Grid,
     build_remapper,
     build_weights,
-    carry,
     open_room,
 )
+from floeflow.transfer import carry
 
 FINE = [8, 16, 32, 64, 128, 256, 512]
 

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a run costs, stage by stage, from its scene: the cost model of estimates and plans.
+
+Seconds of one core are linear in a few sizes of the scene (elements times steps, cells, windows)
+with the coefficients of ``costs.json``, fitted to runs by ``python -m floeflow.analysis.plan --refit``.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from floeflow.core.constants import ICE_DENSITY
+from floeflow.scene.effects import plugin_switches
+from floeflow.workflow.open_run import window_groups
+
+if TYPE_CHECKING:
+    from floeflow.analysis.estimate.conditions import Conditions
+    from floeflow.scene import Scene
+
+COSTS = Path(__file__).with_name("costs.json")
+Coefficients = Mapping[str, float]
+# What physics and knobs set; starting programs costs the same for any of them.
+WORK = ("dynamics", "column")
+# Concentration varies within the ice: where the mean is this little below, most has bonds.
+BOND_MARGIN = 0.05
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Sizes of a run that its cost depends on.
+
+    Parameters
+    ----------
+    elements : float
+        With the coast's.
+    steps : float
+        Steps of the element model in the whole run.
+    windows, launches : int
+        Coupling windows, and the jobs in which they run.
+    column_steps : float
+        Column steps in the whole run.
+    cells : float
+        Cells of the scene grid.
+    mask_cells : float
+        Cells of the mask grid.
+    forcing_jobs : int
+        Jobs that make the forcing: two for each window of analytic forcing.
+    land, bonded : bool
+        Whether the 1 km land mask is read, and whether most of the ice has bonds.
+    """
+
+    elements: float
+    steps: float
+    windows: int
+    launches: int
+    column_steps: float
+    cells: float
+    mask_cells: float
+    forcing_jobs: int
+    land: bool
+    bonded: bool
+
+
+def coefficients() -> dict[str, float]:
+    """Fitted coefficients of the cost model."""
+    data: dict[str, float] = json.loads(COSTS.read_text())["seconds"]
+    return data
+
+
+def bonded(c: Conditions, effects: Iterable[str]) -> bool:
+    """Whether most of the ice is dense enough for the scene's bonds."""
+    return "bonds" in effects and c.concentration >= c.bond_concentration - BOND_MARGIN
+
+
+def critical_step(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients) -> float:
+    """Critical step of the element model (s): stiffnesses of contacts, friction and bonds add up.
+
+    Each alone allows a step of size over speed of sound, times a fitted factor that holds what the
+    smallest elements take from it; squares of the rates add. Independent of thickness.
+    """
+    rates = {"step_contacts": scene.dynamics.contact_modulus}
+    if "friction" in effects:
+        rates["step_friction"] = scene.dynamics.contact_modulus
+    if bonded(c, effects):
+        rates["step_bonds"] = scene.dynamics.young_modulus
+    square = sum(modulus / ICE_DENSITY / fit[name] ** 2 for name, modulus in rates.items())
+    return c.element_size / math.sqrt(square)
+
+
+def sizes(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients) -> Sizes:
+    """Sizes of a run of the scene with these effects."""
+    effects = tuple(effects)
+    domain = scene.domain
+    cells = (domain.x_max - domain.x_min) * (domain.y_max - domain.y_min) / domain.spacing**2
+    coast = fit["coast_elements"] * c.coast_share if "coast" in effects else 0.0
+    between = scene.time.window / scene.dynamics.samples
+    step = scene.dynamics.step_share * critical_step(c, scene, effects, fit)
+    steps = math.ceil(between / step) * scene.dynamics.samples * scene.time.windows
+    inner = math.ceil(scene.time.window / scene.column.step) * scene.time.windows
+    return Sizes(
+        elements=c.elements * (1.0 + coast),
+        steps=steps,
+        windows=scene.time.windows,
+        launches=len(window_groups(scene.time.windows, scene.workflow.windows_per_job)),
+        column_steps=inner,
+        cells=cells,
+        mask_cells=cells * scene.mask.refine**2,
+        forcing_jobs=forcing_jobs(scene),
+        land=scene.mask.land == "global_land_mask",
+        bonded=bonded(c, effects),
+    )
+
+
+def forcing_jobs(scene: Scene) -> int:
+    """Jobs that make the forcing of a run."""
+    return scene.time.windows * (2 if scene.forcing.source == "analytic" else 1)
+
+
+def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[str, float]:
+    """Seconds of one core for each stage of a run.
+
+    Parameters
+    ----------
+    s : Sizes
+        Of the run.
+    effects : iterable of str
+        Its effects.
+    fit : mapping
+        Coefficients: ``<stage>`` for a job, ``<stage>_per_<size>``, ``dynamics_<effect>``.
+    """
+    effects = tuple(effects)
+    switched = [e for e in effects if plugin_switches((e,)) and (e != "bonds" or s.bonded)]
+    a_step = fit["dynamics"] + sum(fit.get(f"dynamics_{name}", 0.0) for name in switched)
+    jobs = {"mask": 1, "packing": 1, "initial": 1, "forcing": s.forcing_jobs}
+    seconds = {name: count * fit["job"] for name, count in jobs.items()}
+    seconds["report"] = fit["report"]
+    seconds["mask"] += fit["mask_per_cell"] * s.mask_cells
+    seconds["packing"] += fit["packing_per_element"] * s.elements
+    seconds["forcing"] += fit["forcing_per_cell"] * s.cells * s.windows
+    a_window = fit["window"] + fit["window_per_element"] * s.elements
+    seconds["window"] = s.launches * fit["launch"] + s.windows * a_window
+    seconds["dynamics"] = s.steps * (fit["step"] + s.elements * a_step)
+    if "bonds" in effects:
+        seconds["bonds"] = fit["job"]
+    if s.land:
+        seconds["land"] = fit["land"]
+    if "thermodynamics" in effects:
+        parts = [name for name in effects if f"column_{name}" in fit]
+        share = 1.0 + sum(fit[f"column_{name}"] for name in parts)
+        seconds["column"] = fit["column_start"] * s.windows
+        seconds["column"] += fit["column"] * share * s.elements * s.column_steps
+    if "grid_output" in effects:
+        jobs_of_grid = s.windows + 1
+        seconds["grid"] = jobs_of_grid * (fit["job"] + fit["grid_per_cell"] * s.cells)
+    if "trajectory_output" in effects:
+        seconds["trajectory"] = fit["job"] + fit["window_per_element"] * s.elements * s.windows
+    return seconds
+
+
+def run_seconds(
+    c: Conditions, scene: Scene, effects: Iterable[str], ranks: int, fit: Coefficients
+) -> float:
+    """Wall seconds of a run on so many ranks, other stages one after the other.
+
+    Element model and column are shared by the ranks; each step pays for their messages.
+    """
+    effects = tuple(effects)
+    s = sizes(c, scene, effects, fit)
+    seconds = stage_seconds(s, effects, fit)
+    shared = sum(seconds.pop(part, 0.0) for part in WORK)
+    alone = s.steps * fit["step"]
+    talk = s.steps * fit["message"] * (ranks > 1)
+    return sum(seconds.values()) + alone + talk + (shared - alone) / ranks
+
+
+def cost_share(
+    c: Conditions,
+    scene: Scene,
+    name: str,
+    effects: Iterable[str],
+    fit: Coefficients,
+    parts: tuple[str, ...] = (),
+) -> float:
+    """Share of the run time with an effect that goes when it is left out.
+
+    `parts` restricts it to some stages, such as ``WORK``; empty: the whole run.
+    """
+    from floeflow.analysis.estimate.influence import without
+
+    there = frozenset(effects) | {name}
+    return saved_share(c, scene, there, without(there, name), fit, parts)
+
+
+def saved_share(
+    c: Conditions,
+    scene: Scene,
+    effects: Iterable[str],
+    fewer: Iterable[str],
+    fit: Coefficients,
+    parts: tuple[str, ...] = (),
+) -> float:
+    """Share of the run time of a scene with these effects that fewer of them save."""
+    full, less = (
+        sum(
+            value
+            for stage, value in stage_seconds(sizes(c, scene, e, fit), e, fit).items()
+            if not parts or stage in parts
+        )
+        for e in (tuple(effects), tuple(fewer))
+    )
+    return (full - less) / full if full else 0.0

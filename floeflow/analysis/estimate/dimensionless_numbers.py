@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The dimensionless number of each effect: near or above 1 it matters, far below it does not.
+
+One function for each effect of the registry, under the effect's name. The first line of its
+docstring is what the documents and the tables say.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from floeflow.analysis.estimate.conditions import Conditions
+from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY, ZERO_CELSIUS
+
+Number = Callable[[Conditions], float]
+
+# As in `floeflow.column.params`, whose import would bring the whole column along.
+ICE_CONDUCTIVITY, SNOW_CONDUCTIVITY, LATENT_HEAT = 2.04, 0.31, 3.34e5
+FREEZING = ZERO_CELSIUS - 1.8
+ICE_HEAT = ICE_DENSITY * LATENT_HEAT
+# Floes are far smaller than elements: their edges are what melts laterally (Steele 1992).
+FLOE_DIAMETER, FLOE_SHAPE = 300.0, 0.66
+WATER_HEAT = 4.1e6  # J/m3/K
+# Stanton number of heat from the sea to the ice, least friction velocity (Maykut & McPhee 1995).
+SEA_TRANSFER, LEAST_FRICTION = 6.0e-3, 5.0e-4
+OPEN_ABSORPTION, ICE_ABSORPTION = 0.94, 0.35
+
+NUMBERS: dict[str, Number] = {}
+
+
+def number_of(name: str) -> Callable[[Number], Number]:
+    """Register the number of an effect."""
+
+    def register(function: Number) -> Number:
+        NUMBERS[name] = function
+        return function
+
+    return register
+
+
+def meaning(name: str) -> str:
+    """What an effect's number is, in one line; empty where it has none."""
+    function = NUMBERS.get(name)
+    return (function.__doc__ or "").splitlines()[0].rstrip(".") if function else ""
+
+
+def _over(part: float, whole: float) -> float:
+    return part / whole if whole > 0 else (math.inf if part > 0 else 0.0)
+
+
+@number_of("wind")
+def wind(c: Conditions) -> float:
+    """N U_a / U_w: free drift by the wind over the current's speed."""
+    return _over(c.nansen * c.wind, c.current)
+
+
+@number_of("ocean_drag")
+def ocean_drag(c: Conditions) -> float:
+    """T ρ_w C_w U / (ρ_i h): the run over the time in which the ocean's drag acts."""
+    return c.seconds * c.drag_rate
+
+
+@number_of("turning_angle")
+def turning_angle(c: Conditions) -> float:
+    """2 sin(φ/2): how far the turned drag points from the plain one."""
+    return 2.0 * math.sin(0.5 * abs(c.turning_angle))
+
+
+@number_of("coriolis")
+def coriolis(c: Conditions) -> float:
+    """ρ_i h f / (ρ_w C_w U): Coriolis force over ocean drag."""
+    return _over(abs(c.coriolis), c.drag_rate)
+
+
+@number_of("tilt")
+def tilt(c: Conditions) -> float:
+    """ρ_i h f U_w / τ_a: slope of the sea over wind stress."""
+    return _over(c.mass * abs(c.coriolis) * c.current, c.wind_stress)
+
+
+@number_of("friction")
+def friction(c: Conditions) -> float:
+    """μ κ: friction times compaction, 0 for floes apart and 1 for a jammed pack."""
+    return c.friction * c.compaction
+
+
+@number_of("bonds")
+def bonds(c: Conditions) -> float:
+    """σ_t h / (τ_a L): tensile strength of the pack over the wind's pull across it."""
+    if c.concentration < c.bond_concentration:
+        return 0.0
+    return _over(c.strength * c.tensile_share * c.thickness, c.wind_stress * c.fetch)
+
+
+@number_of("coast")
+def coast(c: Conditions) -> float:
+    """Share of the ice within an element of land."""
+    return c.coast_share
+
+
+@number_of("walls")
+def walls(c: Conditions) -> float:
+    """U T / L: drift over the width of the ice, which is what reaches a wall."""
+    return _over(c.slip * c.seconds, c.fetch)
+
+
+@number_of("ridging")
+def ridging(c: Conditions) -> float:
+    """ε κ (1 - σ_c h / (τ_a L)): share of the area that a jammed pack closes, if the wind can."""
+    return c.closing * c.yielding
+
+
+@number_of("redistribution")
+def redistribution(c: Conditions) -> float:
+    """ε κ (1 - σ_c h / (τ_a L)): share of the area that ridges, told thick from thin."""
+    return c.closing * c.yielding
+
+
+@number_of("refreeze")
+def refreeze(c: Conditions) -> float:
+    """T / t_r in freezing air: the run over the time in which touching elements freeze together."""
+    if c.air_temperature >= c.refreeze_temperature or bonds(c) == 0.0:
+        return 0.0
+    return c.seconds / c.refreeze_time * min(1.0, 1.0 / max(bonds(c), 1e-9))
+
+
+@number_of("thermodynamics")
+def thermodynamics(c: Conditions) -> float:
+    """|F| T / (ρ_i L h): heat through the ice over the heat that melts it."""
+    from floeflow.analysis.estimate.ice import run_ice
+
+    grown = run_ice(c, frozenset({"thermodynamics"})).volume - c.thickness * c.concentration
+    return _over(abs(grown), c.thickness * c.concentration)
+
+
+@number_of("snow")
+def snow(c: Conditions) -> float:
+    """k_i h_s / (k_s h): insulation by snow over that by ice."""
+    fallen = c.snow + c.snowfall * c.seconds / SNOW_DENSITY
+    return _over(ICE_CONDUCTIVITY * fallen, SNOW_CONDUCTIVITY * c.thickness)
+
+
+@number_of("shortwave")
+def shortwave(c: Conditions) -> float:
+    """(1 - α) F_s T / (ρ_i L h): absorbed sunlight over the heat that melts the ice."""
+    return _over(ICE_ABSORPTION * c.shortwave_down * c.seconds, ICE_HEAT * c.thickness)
+
+
+@number_of("ponds")
+def ponds(c: Conditions) -> float:
+    """h_p (α_i - α_p) F_s T / (ρ_i L h): what melt water at the surface adds to melting."""
+    melted = 0.0 if c.air_temperature < ZERO_CELSIUS - 1.0 else shortwave(c) * c.thickness
+    covered = min(0.3, melted)
+    return _over(covered * 0.4 * c.shortwave_down * c.seconds, ICE_HEAT * c.thickness)
+
+
+def sea_uptake(c: Conditions) -> float:
+    """Heat that sea and leads take up from below and from the sun, W/m2 of sea."""
+    return c.ocean_heat_flux + (1.0 - c.concentration) * OPEN_ABSORPTION * c.shortwave_down
+
+
+def sea_delay(c: Conditions) -> float:
+    """Time in which a mixed layer hands its heat to the ice (s): H / (c_h u*)."""
+    friction = max(math.sqrt(c.ocean_drag) * c.slip, LEAST_FRICTION)
+    return c.mixed_layer_depth / (SEA_TRANSFER * friction)
+
+
+def edge_rate(warmth: float) -> float:
+    """Share of the ice that melts from its sides in a second, in water this much above freezing."""
+    return math.pi * 1.6e-6 * warmth**1.36 / (FLOE_SHAPE * FLOE_DIAMETER)
+
+
+@number_of("lateral_melt")
+def lateral_melt(c: Conditions) -> float:
+    """π w T / (α D): melt of the floes' edges over their diameter, where the water is warm."""
+    from floeflow.analysis.estimate.ice import open_water_loss
+
+    lost = max(0.0, open_water_loss(c)) * (1.0 - c.concentration)
+    left = max(0.0, sea_uptake(c) - lost)
+    delay = sea_delay(c)
+    held = left * delay * -math.expm1(-c.seconds / delay)
+    return edge_rate(held / (WATER_HEAT * c.mixed_layer_depth)) * c.seconds
+
+
+@number_of("frazil")
+def frazil(c: Conditions) -> float:
+    """(1 - A) |Q| T / (ρ_i L A h): new ice in open water over the ice there is."""
+    from floeflow.analysis.estimate.ice import open_water_loss
+
+    lost = max(0.0, open_water_loss(c)) * (1.0 - c.concentration) * c.seconds
+    return _over(lost, ICE_HEAT * c.thickness * max(c.concentration, 1e-6))
+
+
+@number_of("mixed_layer")
+def mixed_layer(c: Conditions) -> float:
+    """(F_w + (1 - A)(1 - α_w) F_s) T / (ρ_i L |ΔV|): heat into the sea over that of the change."""
+    from floeflow.analysis.estimate.ice import run_ice
+
+    start = c.concentration * c.thickness
+    parts = frozenset({"thermodynamics", "snow", "shortwave", "frazil", "lateral_melt"})
+    change = abs(run_ice(c, parts).volume - start)
+    return _over(sea_uptake(c) * c.seconds, ICE_HEAT * max(change, 0.01 * start))
+
+
+@number_of("remap")
+def remap(c: Conditions) -> float:
+    """N |∇u_a| T: shear of the pack over the run; elements are distorted at 1."""
+    return c.nansen * c.wind_gradient * c.seconds
+
+
+@number_of("merge")
+def merge(c: Conditions) -> float:
+    """ε: share of the area that closes, which makes elements too small."""
+    return c.closing
+
+
+@number_of("grid_output")
+def grid_output(c: Conditions) -> float:
+    """None: it changes no result; name it where fields on a grid are wanted."""
+    return math.nan
+
+
+@number_of("trajectory_output")
+def trajectory_output(c: Conditions) -> float:
+    """None: it changes no result; name it where paths are wanted."""
+    return math.nan

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Fit the cost model to the runs of studies."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+from scipy.optimize import nnls
+
+from floeflow.analysis.estimate.conditions import Conditions, conditions
+from floeflow.analysis.estimate.cost import bonded, forcing_jobs
+from floeflow.analysis.plan.propose import adjusted
+from floeflow.analysis.studies.nested import stage_cpu
+from floeflow.analysis.studies.variants import BASE
+from floeflow.core.constants import ICE_DENSITY
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics.collect import read_grid
+from floeflow.scene import Scene, load_scene
+from floeflow.scene.effects import EFFECTS, plugin_switches
+
+# Stages after the windows that every whole run has.
+AFTER = ("estimate", "diagnostics", "report")
+
+
+@dataclass(frozen=True)
+class Run:
+    """A finished run of a study: its scene, conditions and record."""
+
+    scene: Scene
+    conditions: Conditions
+    record: Mapping[str, Any]
+
+    @property
+    def cpu(self) -> Mapping[str, float]:
+        """CPU seconds by part."""
+        cpu: Mapping[str, float] = self.record["cpu"]
+        return cpu
+
+
+def read_runs(folders: Iterable[Path]) -> list[Run]:
+    """Finished runs of studies.
+
+    Parameters
+    ----------
+    folders : iterable of Path
+        ``results/<scene>/<study>``.
+
+    Raises
+    ------
+    FloeError
+        Where a folder holds no study.
+    """
+    found = []
+    for folder in folders:
+        base = folder / "scenes" / f"{BASE}.yaml"
+        if not base.is_file():
+            raise FloeError(f"{folder}: there is no study here")
+        c = conditions(load_scene(base))
+        for path in sorted(folder.glob("*.json")):
+            record = json.loads(path.read_text())
+            if "variant" in record and not record["fault"]:
+                scene = load_scene(folder / "scenes" / f"{record['variant']}.yaml")
+                found.append(Run(scene, adjusted(c, scene), record))
+    return found
+
+
+def fit_costs(runs: Sequence[Run], old: Mapping[str, float]) -> dict[str, float]:
+    """Coefficients of `floeflow.analysis.estimate.cost`; those that no run tells keep their old values."""
+    return {
+        **old,
+        **_fit_dynamics(runs),
+        **_fit_column(runs),
+        **_fit_jobs(runs),
+        **_fit_steps(runs),
+        **_fit_coast(runs),
+    }
+
+
+def fit_whole_runs(folders: Iterable[Path], job: float) -> dict[str, float]:
+    """Coefficients of stages that studies leave out, from whole runs: report, grid and land.
+
+    Parameters
+    ----------
+    folders : iterable of Path
+        ``results/<scene>`` of whole runs, with their logs.
+    job : float
+        Seconds of a job that does next to nothing.
+    """
+    found: dict[str, list[float]] = {"report": [], "land": [], "grid_per_cell": []}
+    for folder in folders:
+        cpu = stage_cpu(folder / "log")
+        found["report"].append(sum(cpu.get(name, 0.0) for name in AFTER))
+        if "land" in cpu:
+            found["land"].append(cpu["land"])
+        grids = sorted((folder / "grid").glob("*.nc"))
+        if grids and "grid" in cpu:
+            sizes = read_grid(grids[0]).sizes
+            slope = (cpu["grid"] / len(grids) - job) / (sizes["x"] * sizes["y"])
+            found["grid_per_cell"].append(max(0.0, slope))
+    return {name: median(values) for name, values in found.items() if values}
+
+
+def _solve(rows: list[list[float]], values: list[float]) -> np.ndarray:
+    """Non-negative least squares of relative errors."""
+    scale = np.array(values)
+    matrix = np.array(rows) / scale[:, None]
+    # Columns of one size, so that small coefficients are found as well as large ones.
+    size = np.linalg.norm(matrix, axis=0)
+    size[size == 0] = 1.0
+    return np.asarray(nnls(matrix / size, np.ones(len(values)))[0] / size)
+
+
+def _fit_dynamics(runs: Sequence[Run]) -> dict[str, float]:
+    names = [name for name in EFFECTS if plugin_switches((name,))]
+    rows, values = [], []
+    for run in runs:
+        steps, work = float(run.record["steps"]), float(run.record["element_steps"])
+        if run.cpu.get("dynamics", 0.0) > 0 and work:
+            effects = set(run.scene.effects)
+            if not bonded(run.conditions, effects):
+                effects.discard("bonds")
+            rows.append([steps, work, *(work * (name in effects) for name in names)])
+            values.append(run.cpu["dynamics"])
+    found = _solve(rows, values)
+    keys = ["step", "dynamics", *(f"dynamics_{name}" for name in names)]
+    return dict(zip(keys, map(float, found), strict=True))
+
+
+def _column_steps(scene: Scene) -> int:
+    return math.ceil(scene.time.window / scene.column.step * (1 - 1e-12)) * scene.time.windows
+
+
+def _fit_column(runs: Sequence[Run]) -> dict[str, float]:
+    names = [name for name, e in EFFECTS.items() if e.column and name != "thermodynamics"]
+    rows, values = [], []
+    for run in runs:
+        if run.cpu.get("column", 0.0) > 0:
+            work = float(run.record["elements"]) * _column_steps(run.scene)
+            on = [work * (name in run.scene.effects) for name in names]
+            rows.append([float(run.scene.time.windows), work, *on])
+            values.append(run.cpu["column"])
+    if not rows:
+        return {}
+    start, base, *parts = _solve(rows, values)
+    shares = {
+        f"column_{n}": float(p / base) if base else 0.0 for n, p in zip(names, parts, strict=True)
+    }
+    return {"column_start": float(start), "column": float(base), **shares}
+
+
+def _fit_jobs(runs: Sequence[Run]) -> dict[str, float]:
+    """Constants and slopes of the stages that make one job each."""
+    found: dict[str, float] = {}
+    starts = [run.cpu["initial"] for run in runs if "initial" in run.cpu]
+    found["job"] = median(starts)
+    lands = [run.cpu["land"] for run in runs if run.cpu.get("land")]
+    if lands:
+        found["land"] = median(lands)
+    slopes = {
+        "packing_per_element": [
+            (run.cpu["packing"] - found["job"]) / run.record["elements"]
+            for run in runs
+            if "packing" in run.cpu
+        ],
+        "forcing_per_cell": [
+            (
+                run.cpu["forcing"]
+                + run.cpu.get("analytic", 0.0)
+                - forcing_jobs(run.scene) * found["job"]
+            )
+            / (run.scene.time.windows * _cells(run.scene))
+            for run in runs
+            if "forcing" in run.cpu
+        ],
+    }
+    for name, values in slopes.items():
+        if values:
+            found[name] = max(0.0, median(values))
+    rows, values = [], []
+    for run in runs:
+        if "window" in run.cpu:
+            windows = float(run.scene.time.windows)
+            rows.append([1.0, windows, windows * run.record["elements"]])
+            values.append(max(run.cpu["window"], 1e-3))
+    launch, window, each = _solve(rows, values)
+    return {
+        **found,
+        "launch": float(launch),
+        "window": float(window),
+        "window_per_element": float(each),
+    }
+
+
+def _cells(scene: Scene) -> float:
+    d = scene.domain
+    return (d.x_max - d.x_min) * (d.y_max - d.y_min) / d.spacing**2
+
+
+def _fit_steps(runs: Sequence[Run]) -> dict[str, float]:
+    """Critical step over element size and speed of sound: bare contacts, friction, bonds alone."""
+    rows, values = [], []
+    for run in runs:
+        d, effects = run.scene.dynamics, run.scene.effects
+        critical = float(run.record["time_step"]) / d.step_share
+        contacts, bonds = d.contact_modulus / ICE_DENSITY, d.young_modulus / ICE_DENSITY
+        held = bonded(run.conditions, effects)
+        rows.append([contacts, contacts * ("friction" in effects), bonds * held])
+        values.append((run.conditions.element_size / critical) ** 2)
+    told = [any(column) for column in zip(*rows, strict=True)]
+    names = ("step_contacts", "step_friction", "step_bonds")
+    # What costs no step at all is a factor that is large, not infinite.
+    found = 1.0 / np.sqrt(np.maximum(_solve(rows, values), 1e-6))
+    return {n: float(f) for n, f, there in zip(names, found, told, strict=True) if there}
+
+
+def _fit_coast(runs: Sequence[Run]) -> dict[str, float]:
+    ratios = [
+        (run.record["elements"] / run.conditions.elements - 1.0) / run.conditions.coast_share
+        for run in runs
+        if "coast" in run.scene.effects and run.conditions.coast_share > 0.01
+    ]
+    return {"coast_elements": median(ratios)} if ratios else {}

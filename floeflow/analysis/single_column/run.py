@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""``python -m floeflow.analysis.single_column.run forcing.nc``: one column of sea ice from the command line.
+
+Reads the forcing of a place, advances a column through it, writes its record as NetCDF and draws
+it: for people who want the column and no elements.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from functools import partial
+from pathlib import Path
+
+from floeflow.analysis.single_column.forcing_file import PointForcing, read_point
+from floeflow.analysis.single_column.year import run_column, start_columns
+from floeflow.column.params import Settings
+from floeflow.column.schemes import SCHEMES
+from floeflow.core.errors import FloeError, answer
+from floeflow.report.figures.column import column_figure
+from floeflow.report.figures.style import write_png
+from floeflow.scene.effects import EFFECTS
+from floeflow.state import write_dataset
+
+# Processes that need no neighbours.
+PROCESSES = tuple(
+    name
+    for name, effect in EFFECTS.items()
+    if effect.column and effect.needs == ("thermodynamics",)
+)
+DAY = 86400.0
+
+
+def arguments() -> argparse.ArgumentParser:
+    """The command line."""
+    parser = argparse.ArgumentParser(
+        prog="python -m floeflow.analysis.single_column.run",
+        description="One column of sea ice and its year.",
+    )
+    add = parser.add_argument
+    add("forcing", type=Path, help="CF or ERA5-named NetCDF file, see docs/forcing.md")
+    add("--scheme", choices=tuple(SCHEMES), default="bl99", help="vertical thermodynamics")
+    add("--categories", type=int, default=1, help="thickness categories")
+    add("--layers", type=int, default=7, help="layers of ice (bl99, mushy)")
+    add("--light", choices=("ccsm3", "delta_eddington"), default="ccsm3", help="in snow and ice")
+    add("--ponds", action="store_true", help="melt ponds (bl99, mushy)")
+    add("--without", nargs="+", choices=PROCESSES, default=[], help="processes to leave out")
+    add("--thickness", type=float, default=1.5, help="ice at the start (m)")
+    add("--fraction", type=float, default=1.0, help="share under ice at the start")
+    add("--snow", type=float, default=0.2, help="snow on the ice at the start (m)")
+    add("--step", type=float, default=3600.0, help="longest time step (s)")
+    add("--every", type=float, default=DAY, help="time between records (s)")
+    add("--days", type=float, default=0.0, help="length of the run; 0: that of the forcing")
+    add("--repeat", type=int, default=1, help="run through the forcing so many times")
+    add("--lon", type=float, help="longitude of the place, on a grid (degrees)")
+    add("--lat", type=float, help="latitude of the place, on a grid (degrees)")
+    add("--accumulation", choices=("hour", "step", "day"), default="", help="interval of sums")
+    add("--salinity", type=float, default=34.0, help="of the sea (1e-3)")
+    add("--mixed-layer-depth", type=float, default=20.0, help="m")
+    add("--new-ice-thickness", type=float, default=0.05, help="m")
+    add("--ocean-heat-flux", type=float, default=2.0, help="where the file has none (W/m2)")
+    add("--friction-velocity", type=float, default=0.005, help="under the ice (m/s)")
+    add("--pressure", type=float, default=101325.0, help="where the file has none (Pa)")
+    add("--output", type=Path, default=Path("column.nc"), help="record, NetCDF")
+    add("--figure", type=Path, default=Path("column.png"), help="picture of it, PNG")
+    return parser
+
+
+def check(given: argparse.Namespace) -> None:
+    """Refuse numbers that make no column.
+
+    Raises
+    ------
+    FloeError
+        Names the option.
+    """
+    positive = ("layers", "categories", "step", "every", "repeat", "mixed_layer_depth")
+    for name in (*positive, "new_ice_thickness", "pressure"):
+        if not getattr(given, name) > 0:
+            raise FloeError(f"--{name.replace('_', '-')} must be above zero")
+    if given.layers < 2:
+        raise FloeError("--layers must be 2 or more")
+    for name in ("thickness", "snow", "days", "salinity", "friction_velocity"):
+        if not getattr(given, name) >= 0:
+            raise FloeError(f"--{name.replace('_', '-')} must not be below zero")
+    if not 0 <= given.fraction <= 1:
+        raise FloeError("--fraction must lie between 0 and 1")
+    if given.ponds and given.scheme == "zero_layer":
+        raise FloeError("--ponds needs --scheme bl99 or mushy")
+    if given.ponds and "shortwave" in given.without:
+        raise FloeError("--ponds needs shortwave")
+    if (given.lon is None) != (given.lat is None):
+        raise FloeError("--lon and --lat come together")
+
+
+def settings_of(given: argparse.Namespace) -> Settings:
+    """Settings of the column that the command line asks for."""
+    processes = tuple(name for name in PROCESSES if name not in given.without)
+    return Settings(
+        scheme=given.scheme,
+        processes=(*processes, "ponds") if given.ponds else processes,
+        light=given.light,
+        categories=given.categories,
+        layers=given.layers,
+        step=given.step,
+        new_ice_thickness=given.new_ice_thickness,
+        ocean_salinity=given.salinity,
+        mixed_layer_depth=given.mixed_layer_depth,
+    )
+
+
+def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
+    """Forcing of the place that the command line names."""
+    constant = {
+        "ocean_heat_flux": given.ocean_heat_flux,
+        "friction_velocity": given.friction_velocity,
+        "air_pressure": given.pressure,
+    }
+    place = None if given.lon is None else (given.lon, given.lat)
+    return read_point(given.forcing, settings, constant, place, given.accumulation)
+
+
+def run(given: argparse.Namespace) -> str:
+    """Run what the command line asks for; what to tell of it.
+
+    Raises
+    ------
+    FloeError
+        For bad options or forcing.
+    """
+    check(given)
+    settings = settings_of(given)
+    forcing = forcing_of(given, settings)
+    length = (given.days * DAY or forcing.length) * given.repeat
+    surface = float(forcing(0.0)["air_temperature"][0])
+    columns = start_columns(settings, given.thickness, given.fraction, given.snow, surface)
+    began = time.perf_counter()
+    data, worst = run_column(columns, forcing, length, given.every, settings)
+    seconds = time.perf_counter() - began
+    data["time"].attrs = {"units": f"seconds since {forcing.start}", "calendar": "standard"}
+    data.attrs = {
+        "Conventions": "CF-1.10",
+        "title": f"Column of sea ice: {given.scheme}",
+        "scheme": given.scheme,
+        "processes": " ".join(settings.processes),
+        "forcing": given.forcing.name,
+    }
+    write_dataset(data, given.output)
+    title = f"{given.scheme}, {settings.categories} categor"
+    title += "y" if settings.categories == 1 else "ies"
+    figure = column_figure(data, forcing.start, f"{title}: {given.forcing.name}")
+    given.figure.parent.mkdir(parents=True, exist_ok=True)
+    write_png(figure, given.figure, 150)
+    thickness = data["ice_volume"].values
+    balance = ", ".join(f"{kind} {left:.1e}" for kind, left in worst.items())
+    return (
+        f"ice {thickness[0]:.2f} m, at most {thickness.max():.2f} m, at least "
+        f"{thickness.min():.2f} m, at the end {thickness[-1]:.2f} m ({seconds:.1f} s)\n"
+        f"largest residual of a record (W/m2, kg/m2): {balance}\n"
+        f"written: {given.output}, {given.figure}"
+    )
+
+
+def main() -> int:
+    """Command line; a fault is one sentence."""
+    return answer(partial(run, arguments().parse_args()))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

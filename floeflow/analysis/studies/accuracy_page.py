@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Page of the accuracy study: error against cost, orders of convergence, recommendations."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from floeflow.analysis.studies.accuracy_figure import accuracy_figure, is_felt
+from floeflow.analysis.studies.accuracy_plan import KEPT as SAME
+from floeflow.analysis.studies.accuracy_plan import TOGETHER
+from floeflow.analysis.studies.accuracy_table import Accuracy, analyse, as_dataset
+from floeflow.analysis.studies.knobs import knobs
+from floeflow.analysis.studies.measures import KEPT, NORMS
+from floeflow.analysis.studies.recommend import Setting, most_accurate, quieted, recommend
+from floeflow.diagnostics.diagnostics import write_json
+from floeflow.report.study_page import Study, Table, draw, write_study
+from floeflow.scene import Scene
+from floeflow.state import write_dataset
+from floeflow.workflow import job as stage
+
+LEAD = (
+    "Each knob was varied alone, and all together; the error of a knob's runs is against the limit "
+    "of its series (Richardson, where it converges, else its finest run), that of the runs "
+    "that vary all against the finest of them. Errors are relative to what happens in the run."
+)
+TARGETS = (0.01, 0.05, 0.2)
+
+
+def recommendations(study: Accuracy, scene: Scene) -> list[tuple[float, bool, Setting | None]]:
+    """Cheapest setting for each target error: of all knobs, and with the scene's own elements.
+
+    Where a pack breaks, elements of another size break elsewhere: no size then keeps the error.
+    """
+    points = quieted(study.points, study.noise)
+    every = [knob.name for knob in knobs(scene)]
+    kept = [name for name in every if name not in SAME]
+    return [
+        (target, names is kept, recommend(points, names, target))
+        for names in (every, kept)
+        for target in TARGETS
+    ]
+
+
+def recommendation_table(study: Accuracy, scene: Scene) -> Table:
+    """Settings for 1, 5 and 20 % error."""
+    turned = knobs(scene)
+    points = quieted(study.points, study.noise)
+    rows = []
+    for target, same, setting in recommendations(study, scene):
+        names = [knob.name for knob in turned if not (same and knob.name in SAME)]
+        elements = "the scene's" if same else "any"
+        if setting is None:
+            best = most_accurate(points, names, math.inf)
+            least = f"least {100 * best.error:.2g}" if best else "none"
+            rows.append([100 * target, elements, least, "", *[""] * len(turned)])
+        else:
+            levels = [knob.told(setting.levels.get(knob.name, 1.0)) for knob in turned]
+            rows.append([100 * target, elements, 100 * setting.error, setting.work, *levels])
+    note = (
+        "Levels are factors by which a knob is coarser (above 1) or finer than in the scene; error "
+        f"is the largest of {', '.join(KEPT)}; with the scene's elements, that of all other knobs."
+    )
+    head = ("wanted (%)", "elements", "predicted (%)", "work", *(knob.name for knob in turned))
+    return Table("Cheapest setting for an error", head, rows, note)
+
+
+def order_table(study: Accuracy) -> Table:
+    """Orders of convergence, observed beside expected."""
+    by_knob: dict[str, dict[str, object]] = {}
+    for row in study.orders:
+        cells = by_knob.setdefault(row.knob, {"expected": row.expected or "–"})
+        shown: object = row.observed
+        if math.isfinite(row.observed) and not row.converges:
+            shown = f"({row.observed:.2f})"
+        cells[row.norm] = shown
+    norms = [name for name in NORMS if any(name in cells for cells in by_knob.values())]
+    rows = [
+        [knob, cells["expected"], *(cells.get(name, "–") for name in norms)]
+        for knob, cells in by_knob.items()
+    ]
+    note = "In brackets: no convergence (order below 0.3 or above 5)."
+    return Table("Order of convergence", ("knob", "expected", *norms), rows, note)
+
+
+def run_table(study: Accuracy) -> Table:
+    """All runs."""
+    head = ("run", "level", "work", "CPU", "element-steps", *NORMS)
+    rows: list[Sequence[object]] = []
+    for p in study.points:
+        errors: list[object] = [
+            100 * p.errors[n] if n in p.errors else "–" if p.stable else "unstable" for n in NORMS
+        ]
+        name = "base (all knobs)" if p.knob == TOGETHER and p.run == "base" else p.run
+        name = f"{p.knob} default" if p.level == 1.0 else name
+        rows.append([name, p.level, p.work, p.cpu, p.element_steps, *errors])
+    note = "Work, CPU and element-steps relative to the default run; errors in per cent."
+    return Table("All runs", head, rows, note)
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``accuracy_page``."""
+    scene = stage.scene(snakemake)
+    records = [json.loads(Path(path).read_text()) for path in snakemake.input.records]
+    study = analyse(scene, records)
+    write_dataset(as_dataset(study, scene), snakemake.output.data)
+    chosen = [
+        {
+            "wanted": target,
+            "same_elements": same,
+            "setting": setting and {**asdict(setting), "levels": dict(setting.levels)},
+        }
+        for target, same, setting in recommendations(study, scene)
+    ]
+    orders = [asdict(row) for row in study.orders]
+    write_json(
+        {"recommended": chosen, "orders": orders, "chaos": dict(study.chaos)},
+        Path(str(snakemake.output.table)),
+    )
+    figures = Path(str(snakemake.output.figures))
+    drawings = {
+        norm: draw(
+            figures,
+            f"accuracy_{norm}",
+            f"{NORMS[norm].label}: error over work.",
+            accuracy_figure(study, norm),
+        )
+        for norm in NORMS
+        if is_felt(study, norm)
+    }
+    said = [
+        f"The default run's element model and column take {study.seconds:.3g} s of CPU time; "
+        f"repeats differ by {100 * study.noise:.2g} %.",
+        "A nudge of 1e-9 moves positions by "
+        f"{100 * study.chaos['drift']:.2g} % of the drift: errors below that are chaos.",
+    ]
+    found = Study(
+        f"Accuracy and cost of {scene.report.title or scene.name}",
+        LEAD,
+        said,
+        [drawing for norm, drawing in drawings.items() if norm in KEPT],
+        [recommendation_table(study, scene), order_table(study)],
+        [drawing for norm, drawing in drawings.items() if norm not in KEPT],
+        [run_table(study)],
+    )
+    out = snakemake.output
+    write_study(found, Path(out.page), Path(out.digest), snakemake.params.study_keys)
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""``python -m floeflow.analysis.studies.document``: docs/studies.md from the studies of the example scenes.
+
+Reads what ``make studies`` left under ``results/`` and copies the figures to docs/images/studies.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from floeflow.analysis.estimate.choose import scene_estimates
+from floeflow.analysis.studies import ablation_page, accuracy_page
+from floeflow.analysis.studies.ablation_figure import ablation_figure
+from floeflow.analysis.studies.ablation_table import Ablation, ablation_table
+from floeflow.analysis.studies.accuracy_figure import is_felt
+from floeflow.analysis.studies.accuracy_table import Accuracy, analyse
+from floeflow.analysis.studies.measures import KEPT
+from floeflow.core.errors import FloeError, answer
+from floeflow.core.records import machine
+from floeflow.report.figures.style import write_png
+from floeflow.report.study_page import DPI, Table, as_markdown
+from floeflow.scene import Scene, load_scene
+from floeflow.scene.docs import PROJECT
+
+EXAMPLES = ("free_drift_day", "winter_pack", "summer_melt_month", "marginal_ice_zone")
+PAGE, IMAGES = PROJECT / "docs/studies.md", PROJECT / "docs/images/studies"
+
+HEAD = """# Studies of the example scenes
+
+What each effect changes and costs, and what accuracy costs, in four small scenes. Made by
+`make studies` on {machine}; how it is measured: [accuracy](accuracy.md).
+"""
+
+
+def study_records(scene: Scene, study: str, results: Path) -> list[dict]:
+    """Records of a study; empty where its page was never made."""
+    if not (results / scene.name / f"{study}.html").is_file():
+        return []
+    folder = results / scene.name / study
+    found = [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
+    return [record for record in found if "variant" in record]
+
+
+def effects_section(scene: Scene, study: Ablation) -> str:
+    """Markdown of an ablation."""
+    lines = ["### Effects", ""]
+    lines += [f"- {text}" for text in ablation_page.sentences(study, scene)]
+    lines += ["", as_markdown(ablation_page.effect_table(study)), ""]
+    lines += [f"![Influence and saving](images/studies/{scene.name}_ablation.png)", ""]
+    return "\n".join(lines)
+
+
+def accuracy_section(scene: Scene, study: Accuracy) -> str:
+    """Markdown of an accuracy study."""
+    lines = ["### Accuracy against cost", ""]
+    for table in (
+        accuracy_page.recommendation_table(study, scene),
+        accuracy_page.order_table(study),
+    ):
+        lines += [f"{table.title}:", "", as_markdown(table), "", table.note, ""]
+    names = [f"accuracy_{norm}" for norm in KEPT if is_felt(study, norm)]
+    lines += [f"![{name}](images/studies/{scene.name}_{name}.png)" for name in names]
+    return "\n".join([*lines, ""])
+
+
+def summary(studies: Sequence[tuple[Scene, Ablation]]) -> Table:
+    """One line for each scene: ranks of the estimates, savings, chaos, work."""
+    head: tuple[str, ...] = ("scene", "rank correlation", "lean run saves (%)")
+    head += ("cost model said (%)", "lean run moves results by (%)", "chaos (%)")
+    head += ("work of the scene (s)",)
+    rows = [
+        (
+            scene.name,
+            f"{found.rank:.2f}",
+            100 * found.lean_saving,
+            100 * found.lean_profile,
+            100 * found.lean_share if math.isfinite(found.lean_share) else "failed",
+            100 * found.floor,
+            found.work_seconds,
+        )
+        for scene, found in studies
+    ]
+    return Table("All scenes", head, rows)
+
+
+def write_document(results: Path = Path("results")) -> Path:
+    """Write docs/studies.md and copy its figures.
+
+    Raises
+    ------
+    FloeError
+        Where no example scene has a finished study.
+    """
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    found: list[tuple[Scene, Ablation]] = []
+    sections = []
+    for name in EXAMPLES:
+        scene = load_scene(PROJECT / f"config/scenes/{name}.yaml")
+        parts = []
+        if records := study_records(scene, "ablation", results):
+            ablation = ablation_table(scene, records, scene_estimates(scene))
+            found.append((scene, ablation))
+            parts.append(effects_section(scene, ablation))
+            # Drawn anew: the estimates may be those of a later fit.
+            write_png(ablation_figure(ablation), IMAGES / f"{name}_ablation.png", DPI)
+        if records := study_records(scene, "accuracy", results):
+            accuracy = analyse(scene, records, results)
+            parts.append(accuracy_section(scene, accuracy))
+            for norm in (norm for norm in KEPT if is_felt(accuracy, norm)):
+                source = results / name / f"accuracy/figures/accuracy_{norm}.png"
+                shutil.copyfile(source, IMAGES / f"{name}_accuracy_{norm}.png")
+        if parts:
+            title = f"## {scene.report.title or scene.name}\n\n`config/scenes/{name}.yaml`\n"
+            sections += [title, *parts]
+    if not sections:
+        raise FloeError(f"{results}: no example scene was studied; 'make studies' does it")
+    head = HEAD.format(machine=machine())
+    PAGE.write_text("\n".join([head, as_markdown(summary(found)), "", *sections]))
+    return PAGE
+
+
+if __name__ == "__main__":
+    sys.exit(answer(write_document))

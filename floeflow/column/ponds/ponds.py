@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# mypy: disable-error-code="no-untyped-def"
+"""Melt ponds on level ice: water, area, lids of ice, and what of them the sun sees.
+
+Hunke, Hebert and Lecomte (2013); numbers of equations are those of docs/theory/column_ponds.md. The
+water of ponds is counted apart: the ice has given it to the sea when it melted, and what drains
+takes no heat along but in mush.
+"""
+
+from __future__ import annotations
+
+import math
+
+from floeflow.column.physics import TINY, jit
+from floeflow.column.records import (
+    LEVEL_AREA,
+    LID_SHARE,
+    LID_SNOW,
+    POND_AREA,
+    POND_DEPTH,
+    POND_DRAINED,
+    POND_FROZEN,
+    POND_GAIN,
+    POND_LID,
+    POND_LOST,
+)
+from floeflow.column.thermodynamics.enthalpy import ice_temperature
+
+FRESH = 1000.0  # density of pond water (kg/m3)
+SHALLOWEST = 0.005  # m, of ponds that the sun sees
+LEAST_SLUSH = 0.15  # share of the water in soaked snow from which on a pond shows
+COLD_START = 2.0  # K below melting from which on ponds without lids shrink
+CONTRACTION = 0.01
+FLAW_DEPTH = 0.01  # m
+
+
+@jit
+def pond_cover(level, snow, covered, fallen, p):
+    """What of the ponds the sun sees: share, depth (m), share of snow left, snow depth (m).
+
+    Snow falls on lids and hides ponds, melting lids have used a share of the heat, and water
+    soaks into snow before it shows (Hunke et al. 2013; eqs. 8 to 10). Brings ``level``'s snow on
+    lids up to date. ``fallen`` is the snow of the step: its mass (kg/m2) is taken for a depth (m),
+    as the reference does, so that snow hides a lid within hours.
+    """
+    area = level[LEVEL_AREA] * level[POND_AREA]
+    lid = area * level[POND_LID]
+    gap = level[LID_SNOW]
+    if lid > TINY and gap < TINY and fallen > p.least_snow:
+        gap = snow - fallen
+    on_lid = snow - gap
+    if lid * on_lid < TINY:
+        gap = 0.0
+    level[LID_SNOW] = gap
+    share, depth = (1.0 - level[LID_SHARE]) * area, level[POND_DEPTH]
+    if gap > TINY and on_lid >= TINY and p.lid_snow_depth > TINY:
+        share *= 1.0 - min(on_lid / p.lid_snow_depth, 1.0)
+    if depth > TINY:
+        water, mass = FRESH * depth, p.snow_density * snow
+        if water < LEAST_SLUSH * (water + mass):
+            share = depth = 0.0
+        elif depth >= snow * (FRESH - p.snow_density) / FRESH:
+            depth = (water + mass) / FRESH
+        else:
+            snow -= water / (FRESH - p.snow_density) * share
+            share = depth = 0.0
+    if depth < SHALLOWEST:
+        share = 0.0
+    return share, depth, min(covered, 1.0 - share), snow
+
+
+@jit
+def flush(c, n, speed, dt, sums, p):
+    """Drain ponds into mush at a Darcy speed (m/s) and through its flaws (eqs. 6 and 7)."""
+    level = c.level[n]
+    area = level[LEVEL_AREA] * level[POND_AREA]
+    before = level[POND_DEPTH]
+    if area > 0.0 and before > 0.0:
+        depth = max(before - speed * dt / area, 0.0)
+        depth = max(depth - dt / p.pond_drain_time * (depth + FLAW_DEPTH), 0.0)
+        level[POND_DEPTH] = depth
+        sums[POND_DRAINED] += c.area[n] * area * (before - depth)
+
+
+@jit
+def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
+    """Advance the ponds of category n by a step (eqs. 1 to 5).
+
+    Parameters
+    ----------
+    c : Column
+        Its ponds are advanced; area of the category as at the step's start.
+    n : int
+        Category.
+    w : Profile
+        Enthalpies and salinities after the step, for the seepage of Bitz-Lipscomb ice.
+    first : int
+        Number of snow layers.
+    ice, snow : float
+        Thickness after growth and melt (m).
+    melted : float
+        Mass of ice and snow that melted at the top (kg/m2).
+    rain : float
+        kg/m2.
+    air : float
+        Temperature of the air (degC).
+    flux : float
+        From the air into the surface (W/m2).
+    dt : float
+        s.
+    sums : ndarray
+        Budget terms, added to.
+    p : Physics
+        Constants.
+    """
+    level, cover = c.level[n], c.area[n]
+    level[LID_SHARE] = 0.0
+    flat = level[LEVEL_AREA]
+    area = flat * level[POND_AREA]
+    depth, lid = level[POND_DEPTH], level[POND_LID]
+    if cover * flat <= TINY * TINY:
+        return
+    if p.ponds_cover_level and flat > TINY:
+        sums[POND_LOST] -= cover * (flat - area) * depth
+        area = flat
+    water = depth * area
+    if ice < p.least_thickness:
+        sums[POND_LOST] += cover * water
+        level[POND_AREA] = level[POND_DEPTH] = level[POND_LID] = 0.0
+        return
+    catch = p.least_catch + (p.most_catch - p.least_catch) * cover
+    gain = catch * (melted + rain) / FRESH
+    sums[POND_GAIN] += cover * gain
+    if p.pond_lids:
+        grown, level[LID_SHARE] = lid_growth(
+            lid, depth, gain, air, flux, snow - level[LID_SNOW], dt, p
+        )
+        lid = max(lid + grown, 0.0)
+        frozen = grown * area * p.ice_density / FRESH
+    else:
+        lid = 0.0
+        cold = max(-COLD_START - c.surface[n], 0.0)
+        frozen = water * (1.0 - math.exp(-CONTRACTION * cold / COLD_START))
+    sums[POND_FROZEN] += cover * frozen
+    change = gain - frozen
+    whole = water + change
+    sums[POND_LOST] += cover * min(whole, 0.0)
+    water = max(whole, 0.0)
+    area, depth = shape(area if whole > 0.0 else 0.0, water, change, flat, cover, p)
+    # No deeper than what keeps the ice afloat.
+    most = ((p.water_density - p.ice_density) * ice - p.snow_density * snow) / FRESH
+    depth = min(depth, most)
+    if depth * area <= 0.0:
+        area = depth = lid = 0.0
+    if not p.mushy and p.pond_seepage > TINY and depth > 0.0:
+        kept = depth * area
+        area, depth = seep(w, first, ice, snow, area, depth, flat, cover, dt, p)
+        sums[POND_DRAINED] += cover * (kept - depth * area)
+        water -= kept - depth * area
+    sums[POND_LOST] += cover * (water - depth * area)
+    level[POND_AREA] = area / flat
+    level[POND_DEPTH], level[POND_LID] = depth, lid
+
+
+@jit
+def lid_growth(lid, depth, gain, air, flux, on_lid, dt, p):
+    """Ice that lids gain (m, negative: melts), and the share of the flux that melting takes.
+
+    Stefan's law below the air while nothing melts (eq. 3); else the surface's flux melts the lid,
+    and where no snow lies on it that heat does not reach the pond (eq. 4).
+    """
+    latent = p.ice_density * p.fusion
+    if gain == 0.0:
+        if air >= 0.0:
+            return 0.0, 0.0
+        square = -2.0 * air * p.fresh_conductivity * dt / latent
+        grown = 0.5 * math.sqrt(square)
+        if lid > grown:
+            grown = 0.5 * square / lid
+        return min(grown, depth * FRESH / p.ice_density), 0.0
+    melts = min(max(flux * dt / latent, 0.0), lid)
+    share = 0.0
+    if on_lid < TINY:
+        share = 1.0
+        if flux > TINY:
+            share = min(melts * latent / (dt * flux), 1.0)
+    return -melts, share
+
+
+@jit
+def shape(area, water, change, flat, cover, p):
+    """Area and depth of a pond that holds water and changed by so much (eq. 5; m of the ice)."""
+    if area * cover > TINY:
+        area = max(min(area + 0.5 * change / (p.pond_aspect * area), flat), 0.0)
+        return (area, water / area) if area > TINY else (area, 0.0)
+    if flat * cover > 10.0 * TINY:
+        area = min(math.sqrt(water / p.pond_aspect), flat)
+        return area, p.pond_aspect * area
+    return 0.0, 0.0
+
+
+@jit
+def seep(w, first, ice, snow, area, depth, flat, cover, dt, p):
+    """Area and depth after drainage through Bitz-Lipscomb ice (eq. 6 with eq. 11)."""
+    floats = (p.snow_density * snow + p.ice_density * ice) / p.water_density + depth
+    head = p.gravity * p.water_density * max(depth + ice - floats, 0.0)
+    least = 1.0
+    for k in range(first, w.enthalpy.size):
+        melting = -p.melting_slope * w.salt[k]
+        temperature = ice_temperature(w.enthalpy[k], melting, p)
+        liquid = w.salt[k] * (1e-3 - p.melting_slope / min(temperature, -TINY))
+        least = min(least, liquid if liquid >= 0.05 else 0.0)
+    seeps = 3e-8 * least**3 * head * dt / (p.viscosity * ice) * p.pond_seepage
+    change = -min(seeps, depth) * area
+    water = depth * area + change
+    area = max(min(area + 0.5 * change / (p.pond_aspect * area * cover), flat), 0.0)
+    return area, water / area if area * cover > TINY else 0.0

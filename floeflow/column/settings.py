@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""From a scene's keys and effects to the settings of its columns."""
+
+from __future__ import annotations
+
+from floeflow.column.params import Settings
+from floeflow.scene.blocks import Scene
+from floeflow.scene.effects import column_processes
+
+
+def column_settings(scene: Scene) -> Settings:
+    """What the scene asks of its columns."""
+    column = scene.column
+    return Settings(
+        scheme=column.scheme,
+        processes=column_processes(scene.effects),
+        categories=column.categories,
+        layers=column.layers,
+        step=column.step,
+        new_ice_thickness=column.new_ice_thickness,
+        ocean_salinity=column.ocean_salinity,
+        mixed_layer_depth=column.mixed_layer_depth,
+        light=column.light,
+    )

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# mypy: disable-error-code="no-untyped-def"
+"""Light in a category by the scheme asked for, and what no layer can take."""
+
+from __future__ import annotations
+
+from floeflow.column import records as r
+from floeflow.column.physics import TINY, jit
+from floeflow.column.shortwave.ccsm3 import absorb
+from floeflow.column.shortwave.delta_eddington import absorb_scattered
+from floeflow.column.thermodynamics.mush import liquidus
+
+NEAR_MELTING = 0.02  # K below melting from which on a layer takes no light
+LARGEST_SHARE = 0.9  # of the heat that brings a layer to melting
+
+
+@jit
+def shed_light(c, n, ice, snow, first, w, rays, f, dt, p):
+    """Light absorbed at the surface and passed to the ocean (W/m2); fills ``w.source``.
+
+    Arguments as `shortwave_eddington.absorb_scattered`, after `profile.fill`.
+    """
+    if p.delta_eddington:
+        light, through = absorb_scattered(c, n, ice, snow, first, w, rays, f, dt, p)
+    else:
+        light, through = absorb(
+            ice, snow, c.surface[n], f[r.VISIBLE], f[r.INFRARED], w.source, first, p
+        )
+    if first > 0 and snow <= p.least_snow:
+        # Snow that does not conduct does not warm.
+        for k in range(first):
+            light += w.source[k]
+            w.source[k] = 0.0
+    if p.redistribute_light:
+        light += lift(w, first, dt, p)
+    return light, through
+
+
+@jit
+def lift(w, first, dt, p):
+    """Take light from layers that it would melt; what the surface gets instead (W/m2).
+
+    Hunke et al. (2015), section on thermodynamics; docs/theory/column_light.md, eq. 14.
+    """
+    lifted = 0.0
+    for k in range(0 if not p.mushy else first, w.source.size):
+        temperature, most = w.temperature[k], 0.0
+        if k < first:
+            below, heat = -temperature, p.snow_density * p.heat_ice
+        else:
+            melting = liquidus(w.salt[k]) if p.mushy else w.melting[k]
+            below = melting - temperature
+            heat = p.ice_density * p.heat_ice
+            if temperature < 0.0:
+                heat -= p.ice_density * p.fusion * melting / temperature**2
+        if below >= NEAR_MELTING:
+            most = LARGEST_SHARE * below * heat * w.thickness[k] / dt
+        stays = min(w.source[k], most)
+        stays = stays if stays >= TINY else 0.0
+        lifted += w.source[k] - stays
+        w.source[k] = stays
+    return lifted

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# mypy: disable-error-code="no-untyped-def"
+"""Frazil: ice that the freezing potential of the sea makes in open water."""
+
+from __future__ import annotations
+
+from floeflow.column.physics import TINY, jit
+from floeflow.column.records import (
+    LEVEL_AREA,
+    LEVEL_VOLUME,
+    NEW_ICE,
+    NEW_ICE_ENERGY,
+    SALT_TO_ICE,
+    level_amounts,
+    level_shares,
+)
+from floeflow.column.thermodynamics.mush import liquid_fraction, liquidus, mush_enthalpy
+
+
+@jit
+def frazil(sea_salinity, p):
+    """Enthalpy (J/m3) and salinity (1e-3) of new ice in open water.
+
+    Fresh ice at its melting point, whose salinity is that of the fixed profile (here -1); mush of
+    three quarters brine (Turner et al. 2013; theory of the mushy column, eq. 14).
+    """
+    if not p.mushy:
+        return -p.ice_density * p.fusion, -1.0
+    salinity = sea_salinity - p.frazil_freshening
+    if sea_salinity <= 2.0 * p.frazil_freshening:
+        salinity = sea_salinity**2 / (4.0 * p.frazil_freshening)
+    temperature = min(liquidus(salinity / p.frazil_liquid), p.warmest_frazil)
+    return mush_enthalpy(temperature, liquid_fraction(temperature, salinity), p), salinity
+
+
+@jit
+def freeze_leads(c, s, energy, freezing, sea_salinity, w, bounds, sums, p):
+    """Make ice of the energy (J/m2) that the sea lacks (Hunke et al. 2015; theory, eq. 23).
+
+    It gathers in open water, at least ``new_ice_thickness`` thick, in the thinnest category; what
+    would fill that beyond nine tenths of its range, and all where there is no open water, thickens
+    all categories alike.
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    s : Scratch
+        Work arrays.
+    energy : float
+        To be taken from the sea, not negative (J/m2).
+    freezing, sea_salinity : float
+        Freezing point (degC) and salinity (1e-3) of the sea.
+    w : Profile
+        For the fixed profile of salinity.
+    bounds : ndarray
+        Of categories (m), (ncat + 1,).
+    sums : ndarray
+        Budget terms, added to.
+    p : Physics
+        Constants.
+    """
+    if energy <= 0.0:
+        return
+    enthalpy, salinity = frazil(sea_salinity, p)
+    volume = -energy / enthalpy
+    sums[NEW_ICE] += volume
+    sums[SALT_TO_ICE] += volume * max(salinity, 0.0)
+    sums[NEW_ICE_ENERGY] -= energy
+    total = 0.0
+    for n in range(c.area.size):
+        total += c.area[n]
+    water = max(1.0 - total, 0.0)
+    area = 0.0
+    surplus = volume
+    if water > TINY:
+        thickness = max(volume / water, p.new_ice_thickness)
+        area, surplus = min(volume / thickness, water), 0.0
+        if c.area.size > 1 and thickness > 0.9 * bounds[1] and total > TINY:
+            area = water
+            surplus = max(volume - 0.9 * bounds[1] * water, 0.0)
+    if surplus > 0.0:
+        for n in range(c.area.size):
+            part = surplus * c.area[n] / total
+            if c.ice[n] > TINY:
+                flat = c.level[n, LEVEL_VOLUME] * c.ice[n] + c.level[n, LEVEL_AREA] * part
+                c.level[n, LEVEL_VOLUME] = flat / (c.ice[n] + part)
+            if p.mushy:
+                add_below(c, s, n, part, enthalpy, salinity)
+            else:
+                thicken(c, n, part, enthalpy, salinity, w)
+    if area > 0.0:
+        c.surface[0] = (c.surface[0] * c.area[0] + freezing * area) / (c.area[0] + area)
+        c.surface[0] = min(c.surface[0], 0.0)
+        level_amounts(c, 0, s.level[0])
+        s.level[0, LEVEL_AREA] += area
+        s.level[0, LEVEL_VOLUME] += volume - surplus
+        c.area[0] += area
+        thicken(c, 0, volume - surplus, enthalpy, salinity, w)
+        level_shares(c, 0, s.level[0])
+
+
+@jit
+def thicken(c, n, volume, enthalpy, salinity, w):
+    """Mix new ice into all layers of category n."""
+    total = c.ice[n] + volume
+    if volume <= 0.0 or total <= 0.0:
+        return
+    layers = c.ice_enthalpy.shape[1]
+    for k in range(layers):
+        salt = salinity if salinity >= 0.0 else w.salt[k + w.salt.size - layers]
+        c.ice_enthalpy[n, k] = (c.ice_enthalpy[n, k] * c.ice[n] + enthalpy * volume) / total
+        c.salinity[n, k] = (c.salinity[n, k] * c.ice[n] + salt * volume) / total
+    c.ice[n] = total
+
+
+@jit
+def add_below(c, s, n, volume, enthalpy, salinity):
+    """Put new ice under category n and make its layers equal again."""
+    if volume <= 0.0 or c.ice[n] <= 0.0:
+        return
+    before, layers = c.ice[n], c.ice_enthalpy.shape[1]
+    for k in range(layers):
+        s.ice_energy[n, k], s.salt[n, k] = c.ice_enthalpy[n, k], c.salinity[n, k]
+    c.ice[n] += volume
+    part = c.ice[n] / layers
+    for k in range(layers):
+        low, high = k * part, (k + 1) * part
+        new = max(high - max(low, before), 0.0)
+        energy, salt = new * enthalpy, new * salinity
+        for old in range(layers):
+            over = min(high, (old + 1) * before / layers) - max(low, old * before / layers)
+            energy += max(over, 0.0) * s.ice_energy[n, old]
+            salt += max(over, 0.0) * s.salt[n, old]
+        c.ice_enthalpy[n, k], c.salinity[n, k] = energy / part, salt / part

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Gridded fields of a user's file: their grid and their values, axes ascending.
+
+Longitude/latitude grids (any order of latitude, longitudes 0..360 or -180..180) and projected
+grids. No value of a fill is ever used: missing values are NaN from here on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyproj
+import xarray as xr
+from numpy.typing import NDArray
+
+from floeflow.core import cf_reading as cf
+from floeflow.core.errors import FloeError
+from floeflow.core.grids import EARTH_RADIUS, to_lonlat
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Source:
+    """The horizontal grid of a file's variable, axes ascending.
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Longitude and latitude (degrees), or projected coordinates (m), (nx,) and (ny,).
+    crs : pyproj.CRS or None
+        Projection; None on longitude and latitude.
+    order_x, order_y : ndarray
+        Columns and rows of the file in the order of ``x`` and ``y``.
+    periodic : bool
+        Whether the longitudes go all the way round.
+    caps : tuple of bool
+        Whether a row at the south and the north pole is to be added.
+    """
+
+    x: Array
+    y: Array
+    crs: pyproj.CRS | None
+    order_x: Index
+    order_y: Index
+    periodic: bool
+    caps: tuple[bool, bool]
+
+    def lonlat(self) -> tuple[Array, Array]:
+        """Longitude and latitude of all points (degrees), each (ny, nx)."""
+        x, y = np.meshgrid(self.x, self.y)
+        return (x, y) if self.crs is None else to_lonlat(self.crs, x, y)
+
+    def padded(self, values: Array) -> Array:
+        """Add the wrapped column and the rows at the poles (mean of the last row)."""
+        south, north = self.caps
+        rows = [values]
+        if south:
+            rows.insert(0, _mean_row(values[..., :1, :]))
+        if north:
+            rows.append(_mean_row(values[..., -1:, :]))
+        values = np.concatenate(rows, axis=-2)
+        return np.concatenate([values, values[..., :1]], axis=-1) if self.periodic else values
+
+    def axes(self) -> tuple[Array, Array]:
+        """Axes of the padded grid."""
+        south, north = self.caps
+        y = np.concatenate([[-90.0] * south, self.y, [90.0] * north])
+        x = np.append(self.x, self.x[0] + 360.0) if self.periodic else self.x
+        return x, y
+
+
+def _mean_row(row: Array) -> Array:
+    return np.broadcast_to(row.mean(axis=-1, keepdims=True), row.shape)
+
+
+def open_file(path: str | Path) -> xr.Dataset:
+    """Open a file lazily, numbers unpacked and fills as NaN, times as they stand.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be read.
+    """
+    try:
+        return xr.open_dataset(path, engine="netcdf4", decode_times=False, mask_and_scale=True)
+    except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
+        raise FloeError(f"{path}: cannot be read as NetCDF ({type(error).__name__})") from None
+
+
+def read_values(
+    data: xr.Dataset, name: str, layout: cf.Layout, source: Source, times: Index, path: str | Path
+) -> Array:
+    """Values of a variable at some of its times, axes ascending, NaN where missing.
+
+    Of several levels the one nearest the surface is taken.
+
+    Returns
+    -------
+    ndarray
+        (times, ny, nx); a variable without time counts as one of a single time.
+
+    Raises
+    ------
+    FloeError
+        Where the file turns out damaged, or the values are no numbers.
+    """
+    field = data[name]
+    if layout.level:
+        level = np.asarray(data[layout.level].values, dtype=float)
+        field = field.isel({layout.level: int(np.argmin(np.abs(level)))})
+    if layout.time:
+        field = field.isel({layout.time: times})
+    else:
+        field = field.expand_dims("one time")
+    keep = (layout.time or "one time", layout.y, layout.x)
+    field = field.isel({dim: 0 for dim in field.dims if dim not in keep})
+    try:
+        values = np.asarray(field.transpose(*keep).values, dtype=float)
+    except (TypeError, ValueError):
+        raise FloeError(f"{path}: variable '{name}' holds no numbers") from None
+    except Exception as error:  # as above
+        raise FloeError(
+            f"{path}: variable '{name}' cannot be read ({type(error).__name__})"
+        ) from None
+    values = values[:, source.order_y][:, :, source.order_x]
+    for key, beyond in (("valid_min", np.less), ("valid_max", np.greater)):
+        bound = field.attrs.get(key)
+        # Bounds are in packed numbers; only those of unpacked variables are plain.
+        if bound is not None and "scale_factor" not in data[name].encoding:
+            values[beyond(values, float(bound))] = np.nan
+    values[~np.isfinite(values)] = np.nan
+    return values
+
+
+def source_grid(
+    variables: dict[str, cf.Variable],
+    variable: cf.Variable,
+    layout: cf.Layout,
+    data: xr.Dataset,
+    path: str | Path,
+) -> Source:
+    """Horizontal grid of a variable.
+
+    Raises
+    ------
+    FloeError
+        Where coordinates are missing, repeated or not finite, or where the grid mapping does not
+        fit the latitudes and longitudes that the file gives beside it.
+    """
+    x = np.asarray(data[layout.x].values, dtype=float) * layout.scale
+    y = np.asarray(data[layout.y].values, dtype=float) * layout.scale
+    if layout.lonlat:
+        x = np.mod(x, 360.0)
+        if np.any(np.abs(y) > 90.0 + 1e-6):
+            raise FloeError(f"{path}: latitudes '{layout.y}' reach beyond 90 degrees")
+        y = np.clip(y, -90.0, 90.0)
+    x_axis, order_x = _ascending(x, layout.x, path, drop_repeated=layout.lonlat)
+    y_axis, order_y = _ascending(y, layout.y, path, drop_repeated=False)
+    if not layout.lonlat:
+        crs = cf.projection(variables, variable, path)
+        source = Source(x_axis, y_axis, crs, order_x, order_y, False, (False, False))
+        _check_mapping(source, layout, data, path)
+        return source
+    # Start behind the widest gap, so that a regional grid across Greenwich stays in one piece.
+    gaps = np.diff(np.append(x_axis, x_axis[0] + 360.0))
+    periodic = bool(gaps.max() <= 1.5 * np.median(gaps))
+    start = 0 if periodic else (int(np.argmax(gaps)) + 1) % x_axis.size
+    x_axis = np.concatenate([x_axis[start:], x_axis[:start] + 360.0])
+    order_x = np.roll(order_x, -start)
+    reach = 1.01 * float(np.median(np.diff(y_axis)))
+    south = periodic and -90.0 < y_axis[0] <= -90.0 + reach
+    north = periodic and 90.0 - reach <= y_axis[-1] < 90.0
+    return Source(x_axis, y_axis, None, order_x, order_y, periodic, (bool(south), bool(north)))
+
+
+def _ascending(
+    axis: Array, name: str, path: str | Path, drop_repeated: bool
+) -> tuple[Array, Index]:
+    if not np.isfinite(axis).all():
+        raise FloeError(f"{path}: coordinate '{name}' has missing values")
+    order = np.argsort(axis, kind="stable")
+    if drop_repeated:
+        # Some files give the first meridian again at the end.
+        order = order[np.concatenate([[True], np.diff(axis[order]) > 1e-9])]
+    if order.size < 2 or np.any(np.diff(axis[order]) <= 0):
+        raise FloeError(f"{path}: coordinate '{name}' has under two different values, or repeats")
+    return axis[order], order
+
+
+def _check_mapping(source: Source, layout: cf.Layout, data: xr.Dataset, path: str | Path) -> None:
+    """Compare the grid mapping with the file's own two-dimensional latitudes, if it has them."""
+    for name, field in data.variables.items():
+        if set(field.dims) != {layout.x, layout.y} or field.attrs.get("standard_name") not in (
+            "latitude",
+            "longitude",
+        ):
+            continue
+        given = field.transpose(layout.y, layout.x).values[np.ix_(source.order_y, source.order_x)]
+        lon, lat = source.lonlat()
+        computed = lat if field.attrs["standard_name"] == "latitude" else lon
+        off = np.mod(given - computed + 180.0, 360.0) - 180.0
+        if field.attrs["standard_name"] == "longitude":
+            off = off * np.cos(np.radians(lat))
+        distance = np.nanmax(np.abs(np.radians(off))) * EARTH_RADIUS
+        # Half a cell is a common fault of such files, and harmless.
+        if distance > np.diff(source.x).max():
+            raise FloeError(
+                f"{path}: the grid mapping lies up to {distance / 1e3:.0f} km off the file's own "
+                f"'{name}'"
+            )

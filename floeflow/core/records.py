@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The benchmark record: what was timed, on what, against whom.
+
+A file under ``results/benchmarks/`` is a list of such records. A ratio is speed over the peer's
+speed: above 1 is faster than the peer.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from floeflow.core.atomic_write import write_text
+
+
+@dataclass(frozen=True)
+class Record:
+    """One timed case.
+
+    Parameters
+    ----------
+    name : str
+        What was timed.
+    n : int
+        Its size (elements, columns, nodes).
+    ranks : int
+        MPI ranks or threads.
+    seconds : list of float
+        Wall seconds of each repeat.
+    peer : str
+        With what it was timed in turn; empty without a peer.
+    peer_seconds : list of float
+        Wall seconds of the peer's repeats, in the same order.
+    extra : dict
+        Further figures, such as ``steps`` or ``element_steps_per_s``.
+    """
+
+    name: str
+    n: int
+    ranks: int
+    seconds: list[float]
+    peer: str = ""
+    peer_seconds: list[float] = field(default_factory=list)
+    extra: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def ratio_median(self) -> float | None:
+        """Median over repeats of peer's time / own time; None without a peer."""
+        pairs = zip(self.peer_seconds, self.seconds, strict=True) if self.peer else ()
+        ratios = [peer / own for peer, own in pairs]
+        return median(ratios) if ratios else None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the record as it stands in the file, with version and machine."""
+        data = asdict(self)
+        extra = data.pop("extra")
+        return {
+            **data,
+            "repeats": len(self.seconds),
+            "ratio_median": self.ratio_median,
+            "git": git_version(),
+            "machine": machine(),
+            **extra,
+        }
+
+
+def write_records(records: list[Record], path: Path) -> None:
+    """Write records as a JSON list, atomically."""
+    write_text(json.dumps([record.as_dict() for record in records], indent=1), path)
+
+
+def machine() -> str:
+    """Processor and number of cores of this machine."""
+    model = platform.machine()
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                model = line.split(":", 1)[1].strip()
+                break
+    except OSError:
+        pass
+    return f"{model}, {os.cpu_count()} cores"
+
+
+def git_version() -> str:
+    """Short commit of the project, with '+' where files differ; empty outside git."""
+    here = Path(__file__).resolve().parent
+    command = ["git", "-C", str(here), "describe", "--always", "--dirty=+", "--abbrev=10"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError:
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""

@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The MPI program of a job: windows of dynamics and column, one after the other.
+
+``mpirun -n N python -m floeflow.coupling.coupled_windows`` reads a ``Job`` from its standard input and
+reports on standard output, a line of JSON an event: progress, or the sentence of a fault. The
+states go to the scene's work folder; publishing them is left to the rule (``window.py``).
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from mpi4py import MPI
+
+from floeflow.core.collective import leave, on_root
+from floeflow.core.errors import FloeError
+from floeflow.core.lock import hold_job
+from floeflow.core.records import Record, write_records
+from floeflow.coupling import resume
+from floeflow.coupling.columns import advance_columns, freeze_window
+from floeflow.coupling.job import Job
+from floeflow.coupling.series import series_dataset, volumes
+from floeflow.dynamics.bonds.stress_free_growth import keep_forces
+from floeflow.dynamics.motion import Motion, move
+from floeflow.dynamics.remesh.remesh import carry_drift, cure
+from floeflow.scene import Scene
+from floeflow.state import read_dataset, read_state, write_dataset, write_state
+from floeflow.state.cells import Cells, read_cells
+from floeflow.state.elements import pair_arrays, thin_bonds
+
+Report = Callable[..., None]
+
+
+@dataclass(frozen=True)
+class Advanced:
+    """What a window leaves."""
+
+    state: xr.Dataset
+    series: xr.Dataset
+    cost: list[Record]
+
+
+def advance_window(
+    comm: MPI.Comm,
+    scene: Scene,
+    state: xr.Dataset,
+    forcing: xr.Dataset,
+    log: Path,
+    report: Report,
+    cells: Cells | None = None,
+) -> Advanced:
+    """Advance a state by one window: dynamics, then column, then what cures distortion.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Collective; every rank has the whole state.
+    scene : Scene
+        The scene.
+    state, forcing : xarray.Dataset
+        State at the window's start, and the window's forcing on the scene's grid.
+    log : Path
+        LIGGGHTS' log.
+    report : callable
+        Called with the step reached, the number of steps and elements.
+    cells : Cells, optional
+        Fresh cells of a scene that remaps.
+
+    Returns
+    -------
+    Advanced
+        State at the window's end, its series and what it cost.
+
+    Raises
+    ------
+    FloeError
+        Where the dynamics or the column fail; names the place.
+    """
+    start = float(state.attrs["time"])
+    end = start + scene.time.window
+    budget = volumes(state, "start")
+    touched, area = pair_arrays(state, "contact"), state["area"].values
+    # Half of the column before the dynamics makes the splitting second order (Strang 1968).
+    middle = 0.5 * (start + end) if scene.column.splitting == "around" else start
+    before = Grown(state)
+    if middle > start:
+        before = grow(comm, scene, state, forcing, (start, middle), area, start)
+    grown = volumes(before.state, "dynamics")
+    motion = move(comm, scene, before.state, forcing, log, report)
+    state = carry_drift(before.state, motion.state)
+    # What the dynamics alone change, counted from the window's start.
+    for name, volume in volumes(state, "dynamics").items():
+        at_start = budget[name.replace("_dynamics", "_start")]
+        budget[name] = volume - (grown[name] - at_start) if middle > start else volume
+    after = grow(comm, scene, state, forcing, (middle, end), area, end)
+    state = after.state
+    for name in after.terms:
+        budget[name] = before.terms.get(name, 0.0) + after.terms[name]
+    began, used = time.perf_counter(), time.process_time()
+    if "refreeze" in scene.effects:
+        state, formed = freeze_window(scene, state, touched, forcing, (start, end))
+        budget["bonds_refrozen"] = formed
+    seconds = time.perf_counter() - began + before.seconds + after.seconds
+    cpu = comm.allreduce(time.process_time() - used) + before.cpu_seconds + after.cpu_seconds
+    state.attrs = {
+        **state.attrs,
+        "time": end,
+        "window": int(state.attrs["window"]) + 1,
+    }
+    costs = _costs(scene, comm.size, motion, (seconds, cpu))
+    if {"remap", "merge"} & set(scene.effects):
+        began = time.perf_counter()
+        state, terms = on_root(comm, cure, scene, state, cells)
+        budget |= terms
+        n, seconds = state.sizes["element"], time.perf_counter() - began
+        costs.append(Record("remesh", n, comm.size, [seconds]))
+    budget |= volumes(state, "end")
+    series = series_dataset(motion, budget, start)
+    return Advanced(state, series, costs)
+
+
+@dataclass(frozen=True)
+class Grown:
+    """A state after its columns were advanced, the terms of the budgets, wall and CPU seconds."""
+
+    state: xr.Dataset
+    terms: Mapping[str, float] = field(default_factory=dict)
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+
+
+def grow(
+    comm: MPI.Comm,
+    scene: Scene,
+    state: xr.Dataset,
+    forcing: xr.Dataset,
+    span: tuple[float, float],
+    area: np.ndarray,
+    moved: float,
+) -> Grown:
+    """Advance the columns over a part of a window, if the scene has any, and what they join.
+
+    Bonds get thinner where ice melts; contacts keep their force where it grows.
+
+    Parameters
+    ----------
+    comm, scene, state, forcing
+        As for `advance_window`.
+    span : tuple of float
+        Start and end, s since the scene's start.
+    area : ndarray
+        Effective areas before the dynamics (m2): what closed since then ridges.
+    moved : float
+        Time to which elements and walls have moved, s since the scene's start.
+    """
+    if "thermodynamics" not in scene.effects:
+        return Grown(state)
+    began, used = time.perf_counter(), time.process_time()
+    grown, terms = advance_columns(comm, scene, state, forcing, span, area)
+    state = keep_forces(state, thin_bonds(grown), scene.dynamics.minimum_thickness, moved)
+    cpu = comm.allreduce(time.process_time() - used)
+    return Grown(state, terms, time.perf_counter() - began, cpu)
+
+
+def warm_up(comm: MPI.Comm, scene: Scene, state: xr.Dataset, forcing: xr.Dataset) -> None:
+    """Let the column be compiled, or its compiled code be read, before anything is timed.
+
+    One step of no elements: what that takes is the program's start, not a window's cost.
+    """
+    if "thermodynamics" in scene.effects:
+        start = float(state.attrs["time"])
+        none = state.isel(element=slice(0, 0))
+        span = (start, start + min(scene.column.step, scene.time.window))
+        advance_columns(comm, scene, none, forcing, span, none["area"].values)
+
+
+def _costs(scene: Scene, ranks: int, motion: Motion, column: tuple[float, float]) -> list[Record]:
+    """Records of a window; of the column, wall and processor seconds."""
+    n = motion.state.sizes["element"]
+    speed = n * motion.steps / motion.seconds if motion.seconds else 0.0
+    figures = {
+        "steps": motion.steps,
+        "element_steps_per_s": speed,
+        "cpu_seconds": motion.cpu_seconds,
+        "time_step": motion.time_step,
+        "limited_by": motion.limited_by,
+    }
+    records = [
+        Record("setup", n, ranks, [motion.setup_seconds]),
+        Record("dynamics", n, ranks, [motion.seconds], extra=figures),
+    ]
+    if "thermodynamics" in scene.effects:
+        cpu = {"cpu_seconds": column[1]}
+        records.append(Record("column", n, ranks, [column[0]], extra=cpu))
+    return records
+
+
+def march(comm: MPI.Comm, job: Job) -> None:
+    """Advance a job's windows and write each to the work folder."""
+    folder = Path(job.folder)
+    # Ranks may outlive the rule that started them; the next run sees them by this lock.
+    with hold_job(folder):
+        _march(comm, job, folder)
+
+
+def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
+    scene = job.read_scene()
+    state = on_root(comm, read_state, job.state)
+    cells = read_cells(on_root(comm, read_dataset, job.cells)) if job.cells else None
+    for window, path in zip(job.windows, job.forcing, strict=True):
+        began = time.perf_counter()
+        forcing = on_root(comm, read_dataset, path)
+        if window == job.windows[0]:
+            warm_up(comm, scene, state, forcing)
+            began = time.perf_counter()
+        made_from = resume.window_hash(state, forcing, job.fixed)
+        log = folder / "log/window" / f"{window}.liggghts.log"
+        report = _reporter(comm, window)
+        advanced = advance_window(comm, scene, state, forcing, log, report, cells)
+        provenance = json.loads(state.attrs["provenance"])
+        provenance |= job.fixed | {"window": made_from}
+        advanced.state.attrs["provenance"] = json.dumps(provenance, sort_keys=True)
+        work = resume.work_folder(folder, window)
+        on_root(comm, _write, advanced, work, began, scene.state.precision)
+        # What the next window starts from is what a restart would read.
+        state = on_root(comm, read_state, work / resume.PARTS["state"])
+
+
+def _write(
+    advanced: Advanced, work: Path, began: float, precision: Literal["double", "single"]
+) -> None:
+    # The state comes last: where it is, the others are too.
+    write_dataset(advanced.series, work / resume.PARTS["series"])
+    known = sum(record.seconds[0] for record in advanced.cost)
+    n, ranks = advanced.cost[0].n, advanced.cost[0].ranks
+    rest = time.perf_counter() - began - known
+    records = [*advanced.cost, Record("exchange", n, ranks, [rest])]
+    write_records(records, work / resume.PARTS["cost"])
+    write_state(advanced.state, work / resume.PARTS["state"], precision)
+
+
+def _reporter(comm: MPI.Comm, window: str) -> Report:
+    def report(**event: Any) -> None:
+        if comm.rank == 0:
+            print(json.dumps({"window": window, **event}), flush=True)
+
+    return report
+
+
+def main() -> None:
+    """Entry point of every rank."""
+    comm = MPI.COMM_WORLD
+    try:
+        text = sys.stdin.readline() if comm.rank == 0 else ""
+        march(comm, Job.from_json(comm.bcast(text)))
+    except FloeError as error:
+        print(json.dumps({"error": str(error)}), flush=True)
+        leave(comm)
+    except BaseException:
+        traceback.print_exc()
+        sys.stderr.flush()
+        comm.Abort(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""State 0: the packing and its bonds, at rest."""
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from floeflow.column.initial_columns import SNOW_LAYERS, first_columns
+from floeflow.column.settings import column_settings
+from floeflow.coupling.initial_walls import wall_variables
+from floeflow.scene import stage_hash
+from floeflow.scene.blocks import Scene
+from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
+from floeflow.state.attributes import SCHEME_ATTRIBUTE
+from floeflow.state.schema import VARIABLES, expected_variables
+from floeflow.workflow import job as stage
+
+# Stages on which the state at the start depends.
+STAGES = ("land", "mask", "packing", "bonds", "initial")
+
+
+def provenance(scene: Scene) -> str:
+    """Hashes of the scene keys of each stage behind the state, as JSON."""
+    stages = [name for name in STAGES if name != "bonds" or "bonds" in scene.effects]
+    return json.dumps({name: stage_hash(scene, name) for name in stages}, sort_keys=True)
+
+
+def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> xr.Dataset:
+    """State at the start.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its effects say which variables there are.
+    packing : xarray.Dataset
+        Output of the packing stage.
+    bonds : xarray.Dataset or None
+        Output of the bonds stage, with the effect bonds.
+
+    Returns
+    -------
+    xarray.Dataset
+        As in ``floeflow.state.schema``: no velocities, no contacts. With thermodynamics, snow of
+        the scene's thickness on the ice; the surface of zero-layer ice at the ocean's freezing
+        point, layers of the temperatures of steady conduction.
+    """
+    made = _columns(scene, packing) if "thermodynamics" in scene.effects else {}
+    # Outlines in the body frames; elements are not turned yet.
+    corners = np.diff(packing["cell_start"].values)
+    made |= {"cell_corners": corners}
+    for axis in ("x", "y"):
+        made[f"corner_{axis}"] = packing[f"cell_{axis}"].values - np.repeat(
+            packing[axis].values, corners
+        )
+    made |= wall_variables(scene, packing) if "walls" in scene.effects else {}
+    sizes = {"element": packing.sizes["element"], "category": packing.sizes["category"]}
+    sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}
+    sizes |= {"ice_layer": scene.column.layers, "snow_layer": SNOW_LAYERS}
+    sizes["wall_contact"] = len(made.get("wall_contact_id", ()))
+    data = {}
+    for name in expected_variables(scene.effects, scene.column.scheme):
+        rule = VARIABLES[name]
+        if name in made:
+            values = made[name]
+        elif name in packing:
+            values = packing[name].values
+        elif bonds is not None and name in bonds:
+            values = bonds[name].values
+        else:
+            values = np.zeros([sizes[dim] for dim in rule.dims], dtype=rule.dtype)
+        data[name] = (rule.dims, values)
+    attrs = {
+        "schema_version": SCHEMA_VERSION,
+        "scene": scene.name,
+        "effects": " ".join(scene.effects),
+        "window": 0,
+        "time": 0.0,
+        "start": scene.time.start.isoformat(),
+        "seed": scene.seed,
+        "crs": scene.domain.crs,
+        "ocean_area": float(packing.attrs["ocean_area"]),
+        "unclaimed_water": float(packing.attrs["unclaimed_water"]),
+        "provenance": provenance(scene),
+    }
+    if "thermodynamics" in scene.effects:
+        attrs[SCHEME_ATTRIBUTE] = scene.column.scheme
+    return xr.Dataset(data, attrs=attrs)
+
+
+def _columns(scene: Scene, packing: xr.Dataset) -> dict[str, np.ndarray]:
+    """Columns of the packing's ice, in the categories and layers that the scene asks for."""
+    fraction, volume = (packing[name].values.sum(axis=1) for name in ("ice_fraction", "ice_volume"))
+    snow = np.full(len(fraction), scene.mask.snow_thickness)
+    surface = scene.column.initial_surface
+    return first_columns(fraction, volume, snow, surface, column_settings(scene))
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``initial``."""
+    scene = stage.scene(snakemake)
+    packing = read_dataset(snakemake.input.packing)
+    bonds = read_dataset(snakemake.input.bonds) if "bonds" in scene.effects else None
+    state = make_state(scene, packing, bonds)
+    write_state(state, snakemake.output.state, scene.state.precision)
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a window's rule tells the ranks that it starts, as one JSON text."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+
+from floeflow.scene import Scene
+
+
+@dataclass(frozen=True)
+class Job:
+    """Windows to advance in one MPI launch.
+
+    Parameters
+    ----------
+    scene : dict
+        The scene, as ``Scene.model_dump(mode="json")`` gives it.
+    state : str
+        File of the state to start from.
+    windows : list of str
+        Names of the windows.
+    forcing : list of str
+        Forcing file of each window.
+    folder : str
+        ``results/<scene>``.
+    fixed : dict
+        Hashes that go into each window's hash; see ``resume.window_hash``.
+    cells : str
+        File of the fresh cells; empty where nothing is remapped.
+    """
+
+    scene: dict[str, object]
+    state: str
+    windows: list[str]
+    forcing: list[str]
+    folder: str
+    fixed: dict[str, str]
+    cells: str = ""
+
+    def to_json(self) -> str:
+        """Return the job as one line of JSON."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Job:
+        """Read what `to_json` wrote."""
+        return cls(**json.loads(text))
+
+    def read_scene(self) -> Scene:
+        """Return the scene as a model."""
+        return Scene.model_validate(self.scene)

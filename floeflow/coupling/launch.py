@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Rule ``window``: a group of coupling windows in one MPI launch.
+
+Skips the windows that an interrupted job of the same origin has finished, starts the ranks, shows
+their progress, turns their faults into one sentence, and publishes what they made.
+"""
+
+import json
+import logging
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from floeflow.core import mpi
+from floeflow.core.errors import FloeError
+from floeflow.core.lock import hold_alone
+from floeflow.coupling import resume
+from floeflow.coupling.job import Job
+from floeflow.coupling.progress import show_progress
+from floeflow.scene import Scene, stage_hash
+from floeflow.state import read_state
+from floeflow.workflow import job as stage
+
+
+def fixed_hashes(scene: Scene, plugin: str | Path, ranks: int) -> dict[str, str]:
+    """What goes into the hash of every window of a run; see ``resume.window_hash``."""
+    hashes = {stage: stage_hash(scene, stage) for stage in ("dynamics", "column", "cure")}
+    return {**hashes, "plugin": resume.file_hash(plugin), "ranks": str(ranks)}
+
+
+def run_ranks(job: Job, ranks: int, log: Path) -> None:
+    """Advance a job's windows on so many ranks.
+
+    Parameters
+    ----------
+    job : Job
+        What to do.
+    ranks : int
+        Number of MPI ranks.
+    log : Path
+        Gets what the ranks say on standard error.
+
+    Raises
+    ------
+    FloeError
+        The sentence of the rank at fault, or the tail of its logs.
+    """
+    command = [
+        "mpirun",
+        "-n",
+        str(ranks),
+        sys.executable,
+        "-m",
+        "floeflow.coupling.coupled_windows",
+    ]
+    log.parent.mkdir(parents=True, exist_ok=True)
+    fault = ""
+    with open(log, "w") as errors, show_progress(job.windows) as show:
+        try:
+            ranks_process = subprocess.Popen(
+                command,
+                env=mpi.mpi_environment(),
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+            )
+        except OSError as error:
+            raise FloeError(f"mpirun cannot be started: {error.strerror}") from None
+        with ranks_process:
+            assert ranks_process.stdin is not None and ranks_process.stdout is not None
+            ranks_process.stdin.write(job.to_json() + "\n")
+            ranks_process.stdin.close()
+            for text in ranks_process.stdout:
+                for event in _events(text):
+                    if "step" in event:
+                        show(event)
+                    fault = fault or str(event.get("error", ""))
+    if ranks_process.returncode:
+        raise FloeError(fault or _last_words(job, log, ranks_process.returncode))
+
+
+def _events(text: str) -> Iterator[dict[str, Any]]:
+    """Events of one line: what ranks say at once arrives joined."""
+    decoder = json.JSONDecoder()
+    while text := text.strip():
+        try:
+            event, end = decoder.raw_decode(text)
+        except ValueError:
+            logging.info("ranks: %s", text)
+            return
+        text = text[end:]
+        if isinstance(event, dict):
+            yield event
+
+
+def _last_words(job: Job, log: Path, code: int) -> str:
+    """Make the sentence for ranks that ended without giving one."""
+    logs = [Path(job.folder) / "log/window" / f"{w}.liggghts.log" for w in job.windows]
+    for path in [*reversed(logs), log]:
+        if path.is_file():
+            for text in reversed(path.read_text(errors="replace").splitlines()):
+                if re.match(r"ERROR|\w*Error\b|FATAL", text.strip()):
+                    return f"windows {job.windows[0]} to {job.windows[-1]}: {text.strip()} ({path})"
+    words = [text.strip(" -") for text in log.read_text(errors="replace").splitlines()]
+    last = next((text for text in reversed(words) if text), "nothing said")
+    return f"the ranks ended with code {code}: {last} (see {log})"
+
+
+def warn_of_step(scene: Scene) -> None:
+    """Warn on the terminal and in the log of a time step above the critical one."""
+    share = scene.dynamics.step_share
+    if share > 1:
+        text = f"dynamics.step_share is {share:g}: at such a time step the ice may blow up"
+        logging.warning("%s", text)
+        print(f"floeflow: warning: {text}", file=sys.stderr, flush=True)
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Run the rule."""
+    scene = stage.scene(snakemake)
+    folder = stage.scene_folder(snakemake)
+    windows = list(snakemake.params.windows)
+    warn_of_step(scene)
+    log = folder / "log/window" / f"{windows[-1]}.ranks.log"
+    fixed = fixed_hashes(scene, snakemake.input.plugin, snakemake.threads)
+    state_path = Path(snakemake.input.state)
+    lock = folder / resume.WORK / f"{windows[0]}.lock"
+    with hold_alone(lock, f"window {windows[0]} of {folder}"):
+        forcing = [str(path) for path in snakemake.input.forcing]
+        start = read_state(state_path)
+        _, todo, paths = resume.resume(start, windows, forcing, folder, fixed)
+        if len(todo) < len(windows):
+            done = windows[: len(windows) - len(todo)]
+            logging.info("windows %s are there already, from the same origin", ", ".join(done))
+            work = resume.work_folder(folder, done[-1])
+            state_path = work / resume.PARTS["state"]
+        if todo:
+            values = scene.model_dump(mode="json")
+            cells = str(snakemake.input.cells or "")
+            job = Job(values, str(state_path), todo, paths, str(folder), fixed, cells)
+            run_ranks(job, snakemake.threads, log)
+        resume.publish(folder, windows)
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

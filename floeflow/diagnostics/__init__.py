@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a run showed, as data: budgets, gridded fields, drift, trajectories, costs."""

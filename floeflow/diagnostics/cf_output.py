@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""CF-1.10 description of gridded output: names, units, axes, bounds, projection, cell areas."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from floeflow import __version__
+from floeflow.core.atomic_write import write_whole
+from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
+from floeflow.scene import Scene
+from floeflow.scene.effects import output_variables
+from floeflow.transfer.stencil import Array
+
+MISSING = 1.0e20
+
+# Standard name, unit, meaning, what it is a mean over.
+DESCRIPTIONS = {
+    "siconc": (
+        "sea_ice_area_fraction",
+        "1",
+        "share of the cell's sea that is covered by ice",
+        "area: mean where sea",
+    ),
+    "sithick": (
+        "sea_ice_thickness",
+        "m",
+        "thickness of the ice, averaged over the ice",
+        "area: mean where sea_ice",
+    ),
+    "sivol": (
+        "sea_ice_thickness",
+        "m",
+        "ice volume per area of sea",
+        "area: mean where sea",
+    ),
+    "sisnthick": (
+        "surface_snow_thickness",
+        "m",
+        "thickness of the snow, averaged over the ice",
+        "area: mean where sea_ice",
+    ),
+    "siu": (
+        "sea_ice_x_velocity",
+        "m s-1",
+        "velocity of the ice along x, averaged over its mass",
+        "area: mean where sea_ice",
+    ),
+    "siv": (
+        "sea_ice_y_velocity",
+        "m s-1",
+        "velocity of the ice along y, averaged over its mass",
+        "area: mean where sea_ice",
+    ),
+}
+
+HISTORY = {
+    "conservative": "conservative remapping from elements to the grid",
+    "mls": "moving least squares from elements to the grid, totals not kept",
+    "shepard": "Shepard's average from elements to the grid, totals not kept",
+    "nearest": "nearest element to the grid, totals not kept",
+}
+
+
+def describe(
+    scene: Scene, state: xr.Dataset, fields: dict[str, Array], areas: tuple[Array, Array]
+) -> xr.Dataset:
+    """Dress gridded fields of a state for CF.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its domain and effects are read.
+    state : xarray.Dataset
+        The state; its attributes give time and window.
+    fields : dict of ndarray
+        As `floeflow.diagnostics.gridded.gridded_fields` returns them.
+    areas : tuple of ndarray
+        Area of the cells and of the sea in them (m2), (ny, nx).
+
+    Returns
+    -------
+    xarray.Dataset
+        Fields (time, y, x) with attributes and encodings.
+    """
+    cells, crs = scene_grid(scene.domain), scene_crs(scene.domain)
+    time = np.array([float(state.attrs["time"])])
+    lon, lat = to_lonlat(crs, *cells.mesh())
+
+    data = xr.Dataset(
+        coords={
+            "time": ("time", time, _time_attributes(str(state.attrs["start"]))),
+            "y": ("y", cells.y, _axis_attributes("y")),
+            "x": ("x", cells.x, _axis_attributes("x")),
+            "lat": (("y", "x"), lat, {"standard_name": "latitude", "units": "degrees_north"}),
+            "lon": (("y", "x"), lon, {"standard_name": "longitude", "units": "degrees_east"}),
+        }
+    )
+    # An instant has bounds of no length.
+    data["time_bnds"] = (("time", "bnds"), np.stack([time, time], axis=1))
+    for name, edges in (("y_bnds", cells.y_edges), ("x_bnds", cells.x_edges)):
+        data[name] = ((name[0], "bnds"), np.stack([edges[:-1], edges[1:]], axis=1))
+    data["crs"] = ((), np.int32(0), crs.to_cf())
+    names = ("siconc", "sithick", "sivol", *output_variables(scene.effects), "siu", "siv")
+    for name in names:
+        data[name] = (("time", "y", "x"), fields[name][None], _field_attributes(name))
+    _add_areas(data, *areas)
+    _add_method(data, fields)
+    data.attrs = {
+        "Conventions": "CF-1.10",
+        "title": f"Sea ice of scene {scene.name} at window boundary {state.attrs['window']}",
+        "source": f"FloeFlow {__version__}, sea-ice discrete element model",
+        "effects": " ".join(scene.effects),
+        "history": f"{HISTORY[scene.grid.transfer]} (floeflow.diagnostics.gridded)",
+    }
+    for name in map(str, data.variables):
+        filled = name in DESCRIPTIONS
+        data[name].encoding = {"_FillValue": MISSING if filled else None}
+        if data[name].ndim >= 2:
+            data[name].encoding |= {"zlib": True, "complevel": 4}
+        if data[name].dims[-2:] == ("y", "x") and name not in ("lat", "lon"):
+            data[name].encoding["coordinates"] = "lat lon"
+    return data
+
+
+def _time_attributes(start: str) -> dict[str, str]:
+    return {
+        "standard_name": "time",
+        "long_name": "time",
+        "units": f"seconds since {start.replace('T', ' ')}",
+        "calendar": "standard",
+        "axis": "T",
+        "bounds": "time_bnds",
+    }
+
+
+def _axis_attributes(axis: str) -> dict[str, str]:
+    return {
+        "standard_name": f"projection_{axis}_coordinate",
+        "long_name": f"{axis} of the cell's centre",
+        "units": "m",
+        "axis": axis.upper(),
+        "bounds": f"{axis}_bnds",
+    }
+
+
+def _field_attributes(name: str) -> dict[str, str]:
+    standard_name, units, long_name, mean = DESCRIPTIONS[name]
+    return {
+        "standard_name": standard_name,
+        "long_name": long_name,
+        "units": units,
+        "cell_methods": f"time: point {mean}",
+        "cell_measures": "area: sea_area",
+        "grid_mapping": "crs",
+    }
+
+
+def _add_areas(data: xr.Dataset, area: Array, sea: Array) -> None:
+    described = (
+        ("cell_area", area, "m2", "cell_area", "area of the cell on the earth"),
+        ("sea_area", sea, "m2", "cell_area", "area of the cell's sea on the earth"),
+        ("sea_area_fraction", sea / area, "1", "sea_area_fraction", "share of sea in the cell"),
+    )
+    for name, values, units, standard_name, long_name in described:
+        data[name] = (("y", "x"), values)
+        data[name].attrs = {
+            "standard_name": standard_name,
+            "long_name": long_name,
+            "units": units,
+            "grid_mapping": "crs",
+        }
+
+
+def _add_method(data: xr.Dataset, fields: dict[str, Array]) -> None:
+    data["remap_method"] = (("y", "x"), fields["remap_method"])
+    data["remap_method"].attrs = {
+        "long_name": "how the ice's properties were averaged",
+        "flag_values": np.array([0, 1, 2, 4], np.int8),
+        "flag_meanings": "none shepard moving_least_squares nearest_element",
+        "grid_mapping": "crs",
+    }
+    for name, units, what in (
+        ("siarea", "m2", "ice area"),
+        ("sivolume", "m3", "ice volume"),
+        ("sisnvolume", "m3", "snow volume"),
+    ):
+        for part, meaning in (
+            ("residual", f"total {what} of the grid minus that of the elements on it"),
+            ("outside", f"{what} in elements outside of the grid"),
+        ):
+            if f"{name}_{part}" in fields:
+                data[f"{name}_{part}"] = ("time", fields[f"{name}_{part}"][None])
+                data[f"{name}_{part}"].attrs = {
+                    "long_name": meaning,
+                    "units": units,
+                    "cell_methods": "time: point",
+                }
+
+
+def write_grid(data: xr.Dataset, path: Path) -> None:
+    """Write gridded output whole or not at all.
+
+    Raises
+    ------
+    FloeError
+        Where the file cannot be written.
+    """
+    with write_whole(path) as temporary:
+        data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")

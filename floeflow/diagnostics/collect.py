@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Read what the windows of a run left behind and lay it along common dimensions.
+
+A group of windows declares only its last window's files; the inner ones lie beside them under the
+same names. So the reader takes one declared path, its folder, and the numbers of all windows.
+States are read one at a time: only their totals are kept.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from floeflow.core.errors import FloeError
+from floeflow.scene.effects import diagnostic_series
+from floeflow.state import read_dataset, read_state
+from floeflow.state.files import CHECKSUM
+from floeflow.state.schema import COAST, MOBILE
+
+SAMPLED = ("time", "kinetic_energy", "elastic_energy", "drift_speed", "largest_speed")
+SCALARS = (
+    "momentum_x_start",
+    "momentum_y_start",
+    "momentum_x_end",
+    "momentum_y_end",
+    "ice_area_start",
+    "ice_area_end",
+    "ice_volume_start",
+    "ice_volume_dynamics",
+    "ice_volume_end",
+)
+GRID_QUANTITIES = {
+    "ice_area": ("siconc",),
+    "ice_volume": ("sivol",),
+    "snow_volume": ("siconc", "sisnthick"),
+}
+# What lies in elements outside of the grid.
+GRID_OUTSIDE = {
+    "ice_area": "siarea_outside",
+    "ice_volume": "sivolume_outside",
+    "snow_volume": "sisnvolume_outside",
+}
+
+
+def window_file(folder: Path, window: int, suffix: str) -> Path:
+    """Path of a window's file; a FloeError in one sentence where it is missing."""
+    path = folder / f"{window:04d}{suffix}"
+    if not path.is_file():
+        raise FloeError(f"{path}: there is no such file, so window {window} is not complete")
+    return path
+
+
+def read_series(
+    folder: Path, windows: Sequence[int], effects: tuple[str, ...]
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Read the series of all windows.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder with ``<window>.nc``.
+    windows : sequence of int
+        All windows, ascending from 1.
+    effects : tuple of str
+        The scene's effects: they say what must be there.
+
+    Returns
+    -------
+    tuple of xarray.Dataset
+        Samples of all windows on ``sample`` (a boundary stands twice, before and after the
+        column), with ``sample_window``; and the budget scalars on ``window``.
+
+    Raises
+    ------
+    FloeError
+        For a missing or damaged file, or a variable that the effects ask for and is missing.
+    """
+    samples, scalars = [], []
+    for window in windows:
+        path = window_file(folder, window, ".nc")
+        data = read_dataset(path)
+        for name in expected_series(effects):
+            if name not in data:
+                raise FloeError(f"{path}: variable '{name}' is missing")
+        data.attrs = {}
+        sampled = [str(name) for name in data.variables if data[name].dims == ("sample",)]
+        part = data[sampled].reset_coords()
+        part["sample_window"] = ("sample", np.full(part.sizes["sample"], window))
+        samples.append(part)
+        scalars.append(data[[str(name) for name in data.data_vars if not data[name].dims]])
+    joined = xr.concat(scalars, "window", join="exact", combine_attrs="drop_conflicts")
+    joined = joined.assign_coords(window=np.asarray(windows, dtype=np.int64))
+    return xr.concat(samples, "sample", join="exact", combine_attrs="drop_conflicts"), joined
+
+
+def expected_series(effects: tuple[str, ...]) -> list[str]:
+    """Variables of a series that a scene with these effects must hold."""
+    names = [*SAMPLED, *SCALARS]
+    for series in diagnostic_series(effects):
+        if series.startswith("impulse_"):
+            names += [f"{series}_x", f"{series}_y"]
+        elif series.startswith(("remap_", "merge_")) or series in (
+            "intact_bonds",
+            "bonds_refrozen",
+        ):
+            names.append(series)
+        elif series == "ridged_area":
+            names += [series, "dissipation_ridging"]
+        elif series == "ice_growth":
+            names.append("energy_stored")
+    return names
+
+
+def intact(state: xr.Dataset) -> np.ndarray:
+    """Pairs (id_lo, id_hi) of the bonds that still hold, (bond, 2), sorted."""
+    holds = state["bond_crack_a"].values + state["bond_crack_b"].values < 1.0
+    return np.stack([state["bond_id_lo"].values, state["bond_id_hi"].values], axis=1)[holds]
+
+
+def broken_by_motion(samples: xr.Dataset, windows: Sequence[int]) -> np.ndarray:
+    """Bonds broken since the start at each boundary, from the samples of the motion alone.
+
+    Remapping and merging make other bonds between windows, so pairs cannot be compared then.
+    """
+    number, held = samples["sample_window"].values, samples["intact_bonds"].values
+    lost = [held[number == window][0] - held[number == window][-1] for window in windows]
+    return np.concatenate([[0], np.cumsum(lost)]).astype(np.int64)
+
+
+def lost_pairs(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Pairs that are in the first list and not in the second, (n, 2)."""
+    kept = {tuple(pair) for pair in after.tolist()}
+    rows = [tuple(pair) not in kept for pair in before.tolist()]
+    return before[np.asarray(rows, dtype=bool)]
+
+
+def displacement(first: xr.Dataset, last: xr.Dataset) -> tuple[xr.Dataset, np.ndarray]:
+    """Net displacement of the mobile elements that are in both states, or of remapped ice.
+
+    Returns
+    -------
+    tuple of xarray.Dataset and ndarray
+        Those elements of ``last``, and their displacement from ``first`` (m), (element, 2).
+    """
+    if "drift_x" in last:
+        # Fresh elements take the displacement of their ice with them.
+        last = last.isel(element=np.flatnonzero(last["type"].values == MOBILE))
+        return last, np.stack([last["drift_x"].values, last["drift_y"].values], axis=1)
+    first = first.isel(element=np.flatnonzero(first["type"].values == MOBILE))
+    last = last.isel(element=np.flatnonzero(last["type"].values == MOBILE))
+    _, here, there = np.intersect1d(
+        first["id"].values, last["id"].values, assume_unique=True, return_indices=True
+    )
+    first, last = first.isel(element=here), last.isel(element=there)
+    dx = last["x"].values - first["x"].values
+    dy = last["y"].values - first["y"].values
+    return last, np.stack([dx, dy], axis=1)
+
+
+def mean(values: np.ndarray, weights: np.ndarray) -> float:
+    """Weighted mean; 0 where there is nothing to weigh."""
+    total = float(weights.sum())
+    return float((values * weights).sum() / total) if total > 0 else 0.0
+
+
+def summarise_states(
+    folder: Path, windows: Sequence[int], effects: tuple[str, ...]
+) -> tuple[xr.Dataset, list[dict[str, Any]]]:
+    """Totals of the states at all boundaries, 0 to the last window.
+
+    Returns
+    -------
+    tuple of xarray.Dataset and list of dict
+        On ``boundary``: ``boundary_time`` (s), ``ice_area`` (m2), ``ice_volume`` (m3),
+        ``mean_displacement`` and ``largest_displacement`` since the start (m), ``elements``,
+        ``coast_elements``, ``ocean_area`` and ``unclaimed_water`` (m2), with snow
+        ``snow_volume`` (m3), with bonds ``bonds`` and ``bonds_broken`` since the start; and each
+        state's window and checksum.
+    """
+    rows: list[dict[str, float]] = []
+    sums = []
+    first: xr.Dataset | None = None
+    pairs, broken = np.zeros((0, 2), dtype=np.int64), 0
+    for window in (0, *windows):
+        state = read_state(window_file(folder, window, ".nc"))
+        first = state if first is None else first
+        row = _totals(first, state)
+        if "snow" in effects:
+            row["snow_volume"] = _volume(state, "snow_volume")
+        if "bonds" in effects:
+            now = intact(state)
+            broken += len(lost_pairs(pairs, now))
+            pairs = now
+            row["bonds"], row["bonds_broken"] = len(now), broken
+        rows.append(row)
+        sums.append({"window": window, "checksum": str(state.attrs[CHECKSUM])})
+    columns = {name: ("boundary", np.array([row[name] for row in rows])) for name in rows[0]}
+    return xr.Dataset(columns, coords={"boundary": [0, *windows]}), sums
+
+
+def _volume(state: xr.Dataset, name: str) -> float:
+    return float((state["area"].values * state[name].values.sum(axis=1)).sum())
+
+
+def _totals(first: xr.Dataset, state: xr.Dataset) -> dict[str, float]:
+    moved, step = displacement(first, state)
+    distance = np.hypot(step[:, 0], step[:, 1])
+    return {
+        "boundary_time": float(state.attrs["time"]),
+        "elements": int((state["type"].values == MOBILE).sum()),
+        "coast_elements": int((state["type"].values == COAST).sum()),
+        "ice_area": _volume(state, "ice_fraction"),
+        "ice_volume": _volume(state, "ice_volume"),
+        "ocean_area": float(state.attrs["ocean_area"]),
+        "unclaimed_water": float(state.attrs["unclaimed_water"]),
+        "mean_displacement": mean(distance, moved["area"].values),
+        "largest_displacement": float(distance.max(initial=0.0)),
+    }
+
+
+def read_grid(path: Path) -> xr.Dataset:
+    """Read a CF grid: missing values as NaN, the time dimension (one long) dropped."""
+    try:
+        with xr.open_dataset(path, decode_times=False) as opened:
+            data = opened.load()
+    except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
+        reason = "there is no such file" if not path.is_file() else type(error).__name__
+        raise FloeError(f"{path}: cannot be read as NetCDF: {reason}") from None
+    data = data.isel(time=0, drop=True) if "time" in data.dims else data
+    for name in ("x", "y", "siconc"):
+        if name not in data.variables:
+            raise FloeError(f"{path}: variable '{name}' is missing")
+    if data["siconc"].attrs.get("units") in ("%", "percent"):
+        data["siconc"] = data["siconc"] / 100.0
+    return data
+
+
+def cell_area(grid: xr.Dataset, path: Path) -> np.ndarray:
+    """Cell areas (m2) of a CF grid, named by the ``cell_measures`` of siconc, (y, x)."""
+    words = str(grid["siconc"].attrs.get("cell_measures", "area: areacello")).split()
+    name = words[words.index("area:") + 1] if "area:" in words[:-1] else "areacello"
+    if name not in grid:
+        raise FloeError(f"{path}: its cell areas, variable '{name}', are missing")
+    return np.asarray(grid[name].values, dtype=float)
+
+
+def summarise_grids(paths: Sequence[Path]) -> xr.Dataset:
+    """Totals of the gridded output on ``grid``: grid_ice_area, outside_ice_area, ..."""
+    rows: list[dict[str, float]] = []
+    for path in paths:
+        data = read_grid(path)
+        area = cell_area(data, path)
+        row = {}
+        for name, factors in GRID_QUANTITIES.items():
+            if all(factor in data for factor in factors):
+                product = area.copy()
+                for factor in factors:
+                    product = product * data[factor].values
+                row[f"grid_{name}"] = float(np.nansum(product))
+                if GRID_OUTSIDE[name] in data:
+                    row[f"outside_{name}"] = float(data[GRID_OUTSIDE[name]])
+        rows.append(row)
+    names = sorted(set.intersection(*(set(row) for row in rows))) if rows else []
+    columns = {name: ("grid", np.array([row[name] for row in rows])) for name in names}
+    windows = np.array([int(path.stem) for path in paths], dtype=np.int64)
+    return xr.Dataset(columns, coords={"grid_window": ("grid", windows)})
+
+
+def read_cost(folder: Path, windows: Sequence[int]) -> list[dict[str, Any]]:
+    """Benchmark records of all windows, each with its ``window`` added.
+
+    Raises
+    ------
+    FloeError
+        For a missing file or one that is no list of records.
+    """
+    found = []
+    for window in windows:
+        path = window_file(folder, window, ".json")
+        try:
+            records = json.loads(path.read_text())
+            found += [
+                {
+                    **record,
+                    "window": window,
+                    "seconds": float(sum(record["seconds"])),
+                    "name": str(record["name"]),
+                    "n": int(record["n"]),
+                }
+                for record in records
+            ]
+        except (OSError, ValueError, TypeError, KeyError):
+            raise FloeError(f"{path}: is no list of benchmark records") from None
+    return found

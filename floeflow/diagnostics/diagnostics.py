@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Diagnostics of a run: series, totals and budgets of all windows, and the headline numbers.
+
+Writes ``diagnostics.nc`` (everything, along ``sample``, ``window``, ``boundary`` and ``grid``) and
+``diagnostics.json`` (headline numbers, budgets, cost). Only what the scene's effects bring is
+there: without bonds no bond series, without thermodynamics no growth and no column energy.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from floeflow.core.atomic_write import write_text
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics.budgets import (
+    Budget,
+    column_budgets,
+    dem_energy_budget,
+    grid_budget,
+    ice_volume_budgets,
+    momentum_budget,
+    snow_volume_budget,
+)
+from floeflow.diagnostics.collect import (
+    broken_by_motion,
+    read_cost,
+    read_series,
+    summarise_grids,
+    summarise_states,
+)
+from floeflow.state import write_dataset
+from floeflow.workflow import job as stage
+
+UNITS = {
+    "boundary_time": ("s", "time since the scene's start"),
+    "time": ("s", "time since the scene's start"),
+    "kinetic_energy": ("J", "kinetic energy of the mobile elements"),
+    "elastic_energy": ("J", "elastic energy of bonds and contacts"),
+    "drift_speed": ("m s-1", "area-weighted mean speed of the mobile elements"),
+    "largest_speed": ("m s-1", "largest speed of a mobile element"),
+    "intact_bonds": ("1", "bonds that hold"),
+    "ice_area": ("m2", "ice area of the elements"),
+    "ice_volume": ("m3", "ice volume of the elements"),
+    "snow_volume": ("m3", "snow volume of the elements"),
+    "ocean_area": ("m2", "area of the scene that is not land"),
+    "unclaimed_water": ("m2", "ocean area that no element stands for"),
+    "mean_displacement": ("m", "area-weighted mean net displacement since the start"),
+    "largest_displacement": ("m", "largest net displacement since the start"),
+    "elements": ("1", "mobile elements"),
+    "coast_elements": ("1", "fixed coast elements"),
+    "bonds": ("1", "bonds that hold"),
+    "bonds_broken": ("1", "bonds broken since the start"),
+    "grid_ice_area": ("m2", "ice area on the grid"),
+    "grid_ice_volume": ("m3", "ice volume on the grid"),
+    "grid_snow_volume": ("m3", "snow volume on the grid"),
+    "outside_ice_area": ("m2", "ice area outside of the grid"),
+    "outside_ice_volume": ("m3", "ice volume outside of the grid"),
+    "outside_snow_volume": ("m3", "snow volume outside of the grid"),
+}
+GRID_LABELS = {
+    "ice_area": ("Ice area on the grid", "m2"),
+    "ice_volume": ("Ice volume on the grid", "m3"),
+    "snow_volume": ("Snow volume on the grid", "m3"),
+}
+
+
+def change_over_windows(samples: xr.Dataset, name: str, windows: np.ndarray) -> np.ndarray:
+    """Last minus first sample of each window, (window,)."""
+    number, values = samples["sample_window"].values, samples[name].values
+    parts = (values[number == window] for window in windows)
+    return np.array([float(part[-1] - part[0]) for part in parts])
+
+
+def close_budgets(
+    samples: xr.Dataset,
+    scalars: xr.Dataset,
+    boundaries: xr.Dataset,
+    grids: xr.Dataset,
+    effects: tuple[str, ...],
+) -> list[Budget]:
+    """All budgets that the scene's effects bring; see `floeflow.diagnostics.budgets`.
+
+    Parameters
+    ----------
+    samples, scalars : xarray.Dataset
+        From `read_series`.
+    boundaries : xarray.Dataset
+        From `summarise_states`.
+    grids : xarray.Dataset
+        From `summarise_grids`.
+    effects : tuple of str
+        The scene's effects.
+    """
+    found = [momentum_budget(scalars, axis) for axis in "xy"]
+    found += ice_volume_budgets(scalars, boundaries["ice_volume"].values)
+    if "snow" in effects:
+        found.append(snow_volume_budget(scalars, boundaries["snow_volume"].values))
+    if "thermodynamics" in effects:
+        found += column_budgets(scalars)
+    kinetic, elastic = (
+        change_over_windows(samples, name, scalars["window"].values)
+        for name in ("kinetic_energy", "elastic_energy")
+    )
+    mechanical = dem_energy_budget(scalars, kinetic, elastic)
+    if mechanical is not None:
+        found.append(mechanical)
+    for name, (label, unit) in GRID_LABELS.items():
+        if f"grid_{name}" in grids and name in boundaries:
+            known = np.isin(grids["grid_window"].values, boundaries["boundary"].values)
+            kept = grids.isel(grid=np.flatnonzero(known))
+            elements = boundaries[name].sel(boundary=kept["grid_window"].values).values
+            outside = kept.get(f"outside_{name}", xr.zeros_like(kept[f"grid_{name}"])).values
+            found.append(grid_budget(name, label, unit, kept[f"grid_{name}"], elements, outside))
+    return found
+
+
+def cost_by_stage(costs: Sequence[Mapping[str, Any]], windows: np.ndarray) -> xr.DataArray:
+    """Wall seconds on (window, stage), stages in the order in which they come."""
+    stages = list(dict.fromkeys(record["name"] for record in costs))
+    seconds = np.zeros((len(windows), len(stages)))
+    for record in costs:
+        row = int(np.searchsorted(windows, record["window"]))
+        seconds[row, stages.index(record["name"])] += record["seconds"]
+    coords = {"window": windows, "stage": stages}
+    attrs = {"units": "s", "long_name": "wall time inside the windows"}
+    return xr.DataArray(seconds, coords, ("window", "stage"), attrs=attrs)
+
+
+def dynamics_cost(costs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Speed of the DEM over all windows: element-steps, seconds, per second, ranks, time step."""
+    records = [record for record in costs if record["name"] == "dynamics"]
+    steps = sum(record["n"] * int(record.get("steps", 0)) for record in records)
+    seconds = sum(record["seconds"] for record in records)
+    last = records[-1] if records else {}
+    return {
+        "element_steps": steps,
+        "dynamics_seconds": seconds,
+        "element_steps_per_s": steps / seconds if seconds > 0 else 0.0,
+        "steps": sum(int(record.get("steps", 0)) for record in records),
+        "ranks": last.get("ranks"),
+        "time_step": last.get("time_step"),
+        "limited_by": last.get("limited_by"),
+        "machine": last.get("machine"),
+        "git": last.get("git"),
+    }
+
+
+def headline(
+    samples: xr.Dataset, boundaries: xr.Dataset, costs: Sequence[Mapping[str, Any]]
+) -> dict[str, Any]:
+    """Headline numbers of the run, SI units but for ``mean_drift_km``."""
+    first, last = boundaries.isel(boundary=0), boundaries.isel(boundary=-1)
+    speeds = samples["largest_speed"].values
+    numbers: dict[str, Any] = {
+        "elements": int(last["elements"]),
+        "coast_elements": int(last["coast_elements"]),
+        "windows": boundaries.sizes["boundary"] - 1,
+        "seconds": float(last["boundary_time"]),
+        "mean_drift_km": float(last["mean_displacement"]) / 1e3,
+        "largest_drift_km": float(last["largest_displacement"]) / 1e3,
+        "largest_speed": float(np.max(speeds[np.isfinite(speeds)], initial=0.0)),
+    }
+    for name in ("ice_area", "ice_volume", "snow_volume"):
+        if name in boundaries:
+            numbers[f"{name}_start"] = float(first[name])
+            numbers[f"{name}_end"] = float(last[name])
+    if "bonds" in boundaries:
+        numbers["bonds_start"] = int(first["bonds"])
+        numbers["bonds_end"] = int(last["bonds"])
+        numbers["bonds_broken"] = int(last["bonds_broken"])
+    return {**numbers, **dynamics_cost(costs)}
+
+
+def assemble(
+    samples: xr.Dataset,
+    scalars: xr.Dataset,
+    boundaries: xr.Dataset,
+    grids: xr.Dataset,
+    budgets: Sequence[Budget],
+    seconds: xr.DataArray,
+) -> xr.Dataset:
+    """One dataset of it all, with units, and the residuals of each budget per window."""
+    data = xr.merge([samples, scalars, boundaries, grids], join="exact", compat="no_conflicts")
+    for budget in budgets:
+        dim = "grid" if budget.name.startswith("grid_") else "window"
+        for kind, values, unit in (
+            ("residual", budget.residual, budget.unit),
+            ("relative", budget.relative, "1"),
+        ):
+            text = f"{kind} of: {budget.label}" if kind == "residual" else f"{budget.label}, rel."
+            data[f"{budget.name}_{kind}"] = ((dim,), values, {"units": unit, "long_name": text})
+    data["cost_seconds"] = seconds
+    for name, (unit, text) in UNITS.items():
+        if name in data:
+            data[name].attrs = {"units": unit, "long_name": text}
+    return data
+
+
+def write_json(data: Mapping[str, Any], path: Path) -> None:
+    """Write JSON atomically; numbers that are not finite become null."""
+    write_text(json.dumps(_finite(data), indent=1, allow_nan=False) + "\n", path)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def diagnose(
+    folder: Path, windows: Sequence[int], grids: Sequence[Path], effects: tuple[str, ...]
+) -> tuple[xr.Dataset, dict[str, Any]]:
+    """Diagnose a run from its folder ``results/<scene>``.
+
+    Parameters
+    ----------
+    folder : Path
+        With ``state/``, ``series/`` and ``cost/``.
+    windows : sequence of int
+        All windows of the run.
+    grids : sequence of Path
+        Gridded output, named by window.
+    effects : tuple of str
+        The scene's effects.
+
+    Returns
+    -------
+    tuple of xarray.Dataset and dict
+        What goes to ``diagnostics.nc`` and to ``diagnostics.json``.
+
+    Raises
+    ------
+    FloeError
+        For a missing or damaged file, in one sentence that names it.
+    """
+    windows = sorted(window for window in windows if window > 0)
+    if not windows:
+        raise FloeError(f"{folder}: there is no window to diagnose")
+    samples, scalars = read_series(folder / "series", windows, effects)
+    boundaries, states = summarise_states(folder / "state", windows, effects)
+    if "bonds_broken" in boundaries and {"remap", "merge"} & set(effects):
+        boundaries["bonds_broken"] = ("boundary", broken_by_motion(samples, windows))
+    costs = read_cost(folder / "cost", windows)
+    gridded = summarise_grids(sorted(grids)) if grids else xr.Dataset()
+    budgets = close_budgets(samples, scalars, boundaries, gridded, effects)
+    seconds = cost_by_stage(costs, np.asarray(windows))
+    data = assemble(samples, scalars, boundaries, gridded, budgets, seconds)
+    stages = {str(name): float(seconds.sel(stage=name).sum()) for name in seconds["stage"].values}
+    return data, {
+        "headline": headline(samples, boundaries, costs),
+        "budgets": [budget.summary() for budget in budgets],
+        "window_seconds": stages,
+        "states": states,
+    }
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``diagnostics``."""
+    scene = stage.scene(snakemake)
+    folder = Path(snakemake.input.states[0]).parent.parent
+    windows = [int(window) for window in snakemake.params.windows]
+    grids = [Path(path) for path in snakemake.input.grids]
+    data, numbers = diagnose(folder, windows, grids, scene.effects)
+    write_dataset(data, snakemake.output.dataset)
+    write_json(numbers, Path(snakemake.output.headline))
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

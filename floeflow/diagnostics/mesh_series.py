@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Meshes of the elements' cells at all window boundaries, for ParaView.
+
+Each element is drawn as its cell of the packing, carried and turned with it, so that leads show as
+gaps; elements without a cell, as those of the coast, are drawn as their discs.
+"""
+
+import logging
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from floeflow.core.polygons import Outlines, body_outlines, carried_outlines, own_outlines
+from floeflow.diagnostics.collect import window_file
+from floeflow.state import read_dataset, read_state
+from floeflow.workflow import job as stage
+
+log = logging.getLogger(__name__)
+
+Array = NDArray[np.float64]
+
+
+def cell_fields(state: xr.Dataset) -> dict[str, NDArray[np.generic]]:
+    """Fields of a state's elements, by the names under which ParaView shows them.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        State at a window boundary.
+
+    Returns
+    -------
+    dict of ndarray
+        (element,), or (element, 3) for vectors: id, type, area (m2), ice_fraction (1), thickness
+        (m over the ice), speed and velocity (m/s), spin (rad/s); with thermodynamics
+        snow_thickness (m over the ice) and surface_temperature (K, mean over the ice). What is
+        per ice is NaN where there is none.
+    """
+    fraction = state["ice_fraction"].values
+    total = fraction.sum(axis=1)
+
+    def per_ice(amount: Array) -> Array:
+        summed = amount.sum(axis=1)
+        return np.divide(summed, total, out=np.full_like(total, np.nan), where=total > 0)
+
+    u, v = state["u"].values, state["v"].values
+    fields = {
+        "id": state["id"].values,
+        "type": state["type"].values,
+        "area": state["area"].values,
+        "ice_fraction": total,
+        "thickness": per_ice(state["ice_volume"].values),
+        "speed": np.hypot(u, v),
+        "velocity": np.stack([u, v, np.zeros_like(u)], axis=1),
+        "spin": state["omega"].values,
+    }
+    if "snow_volume" in state:
+        fields["snow_thickness"] = per_ice(state["snow_volume"].values)
+    if "surface_temperature" in state:
+        fields["surface_temperature"] = per_ice(fraction * state["surface_temperature"].values)
+    return fields
+
+
+def write_meshes(
+    packing: xr.Dataset, states: Iterable[xr.Dataset], paths: list[Path], series: Path
+) -> None:
+    """Write a mesh for each state, and the series that names them with their times.
+
+    Parameters
+    ----------
+    packing : xarray.Dataset
+        Packing from which the first state was made.
+    states : iterable of xarray.Dataset
+        States, the first one before all windows; read once.
+    paths : list of Path
+        A file for each state, all in the folder of `series`.
+    series : Path
+        The ``.pvd`` file.
+
+    Raises
+    ------
+    FloeError
+        Where there are no elements, states do not fit the packing, or a file cannot be written.
+    """
+    # meshio takes 0.2 s to import.
+    from floeflow.core.meshes import write_polygons, write_series
+
+    body: Outlines | None = None
+    times = []
+    for state, path in zip(states, paths, strict=True):
+        if "cell_corners" in state:
+            body = own_outlines(state)
+        else:
+            body = body_outlines(packing, state) if body is None else body
+        outlines = carried_outlines(body, state)
+        write_polygons(path, outlines.start, outlines.x, outlines.y, cell_fields(state))
+        times.append(float(state.attrs["time"]))
+    write_series(series, [path.name for path in paths], times)
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``mesh_files``."""
+    folder = Path(snakemake.input.states[0]).parent
+    windows = (0, *(int(window) for window in snakemake.params.windows))
+    paths = [Path(path) for path in snakemake.output.meshes]
+    states = (read_state(window_file(folder, window, ".nc")) for window in windows)
+    packing = read_dataset(snakemake.input.packing)
+    write_meshes(packing, states, paths, Path(str(snakemake.output.series)))
+    log.info("%d meshes of %d elements", len(paths), packing.sizes["element"])
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the discrete element model needs to know: law parameters, switches, forcing, in SI units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+from typing import Literal
+
+import numpy as np
+
+from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.core.errors import FloeError
+from floeflow.state.bonds import CONTACT_COLUMNS, RIDGE_COLUMNS
+
+FIXED = 2  # type of elements that never move
+VELOCITIES = ("wind_u", "wind_v", "ocean_u", "ocean_v")
+
+
+@dataclass(frozen=True)
+class EngineParams:
+    """Parameters of laws and integrator; angles in radians, everything else in SI units.
+
+    Parameters
+    ----------
+    time_step : float
+        s.
+    bonds, friction, ridging, wind, ocean_drag, coriolis, tilt : bool
+        Switches; what is off is not computed.
+    young_modulus, poisson_ratio, bond_damping : float
+        Bonds: Pa, 1, share of critical damping.
+    strength : {"constant", "kovacs_sodhi"}
+        Compressive strength of bonds: constant, or 1285 kPa (h / 1 m)^(2/3).
+    compressive_strength, tensile_share, friction_angle : float
+        Pa (where constant), tensile over compressive strength, rad.
+    contact_modulus, contact_shear_ratio, contact_damping, friction_coefficient : float
+        Unbonded contact: Pa, tangential over normal stiffness, share of critical damping, 1.
+    ridge_force, ridge_hardening, ridge_thickness : float
+        Ridging force per contact length and ridge thickness, N/m2; its growth with closing per
+        squared thickness, N/m4; thickness from which on ice crushes instead, m.
+    wind_stress_factor, ocean_stress_factor : float
+        Density times drag coefficient of air and of water, kg/m3.
+    turning_angle : float
+        By which the ocean drag is turned to the left, rad.
+    relative_wind : bool
+        Wind stress from the wind relative to the ice.
+    deterministic : bool
+        Sums of forces that do not depend on the order of pairs, nor on the number of ranks.
+    exact_losses : bool
+        Losses of damping to second order in the step instead of first, at some cost.
+    skin : float, optional
+        Extra distance of the neighbour lists, m; chosen from speed and step where absent.
+    reach : float, optional
+        Neighbours are kept up to this multiple of the sum of radii; from what a bond survives
+        where absent.
+    """
+
+    time_step: float
+    bonds: bool = False
+    friction: bool = True
+    ridging: bool = False
+    wind: bool = False
+    ocean_drag: bool = False
+    coriolis: bool = False
+    tilt: bool = False
+    young_modulus: float = 1.0e9
+    poisson_ratio: float = 0.3
+    bond_damping: float = 0.1
+    strength: Literal["constant", "kovacs_sodhi"] = "constant"
+    compressive_strength: float = 1.0e6
+    tensile_share: float = 0.1
+    friction_angle: float = math.radians(35.0)
+    contact_modulus: float = 1.0e8
+    contact_shear_ratio: float = 0.5
+    contact_damping: float = 0.3
+    friction_coefficient: float = 0.3
+    ridge_force: float = 26126.0
+    ridge_hardening: float = 928.0
+    ridge_thickness: float = 0.3
+    wind_stress_factor: float = AIR_DENSITY * 1.2e-3
+    ocean_stress_factor: float = SEAWATER_DENSITY * 5.5e-3
+    turning_angle: float = 0.0
+    relative_wind: bool = False
+    deterministic: bool = False
+    exact_losses: bool = False
+    skin: float | None = None
+    reach: float | None = None
+
+    def __post_init__(self) -> None:
+        positive = {
+            "time_step",
+            "young_modulus",
+            "compressive_strength",
+            "friction_angle",
+            "contact_modulus",
+            "contact_shear_ratio",
+            "ridge_force",
+            "ridge_thickness",
+            "skin",
+        }
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if isinstance(value, bool | str) or value is None:
+                continue
+            # NumPy's scalars do not print as the plain numbers that LIGGGHTS reads.
+            object.__setattr__(self, item.name, float(value))
+            if not math.isfinite(value):
+                raise FloeError(f"{item.name} must be finite, not {value}.")
+            if item.name in positive and value <= 0:
+                raise FloeError(f"{item.name} must be above 0, not {value}.")
+            if item.name != "turning_angle" and value < 0:
+                raise FloeError(f"{item.name} must not be negative, not {value}.")
+        if self.poisson_ratio >= 0.5:
+            raise FloeError(f"poisson_ratio must be below 0.5, not {self.poisson_ratio}.")
+        if self.friction_angle >= math.pi / 2:
+            raise FloeError(f"friction_angle must be below pi/2, not {self.friction_angle}.")
+        if abs(self.turning_angle) >= math.pi / 2:
+            raise FloeError(f"turning_angle must lie within +-pi/2, not {self.turning_angle}.")
+        if self.reach is not None and self.reach < 1:
+            raise FloeError(f"reach must be at least 1, not {self.reach}.")
+        if self.strength not in ("constant", "kovacs_sodhi"):
+            raise FloeError(f"strength must be constant or kovacs_sodhi, not {self.strength}.")
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus of bonds, Pa."""
+        return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
+
+    def bond_strength(self, thickness: np.ndarray) -> np.ndarray:
+        """Compressive strength of bonds of a thickness (m), Pa (Kovacs & Sodhi, if chosen)."""
+        if self.strength == "kovacs_sodhi":
+            return 1285.0e3 * np.asarray(thickness) ** (2.0 / 3.0)
+        return np.full(np.shape(thickness), self.compressive_strength)
+
+    @property
+    def contact_columns(self) -> tuple[str, ...]:
+        """Columns of the contact table besides the ids."""
+        return (*CONTACT_COLUMNS, *RIDGE_COLUMNS) if self.ridging else CONTACT_COLUMNS
+
+    @property
+    def external(self) -> tuple[str, ...]:
+        """Names of the forcing fields that the switches need."""
+        names: set[str] = set()
+        if self.wind:
+            names |= {"wind_u", "wind_v"}
+        if self.ocean_drag or self.tilt:
+            names |= {"ocean_u", "ocean_v"}
+        if self.coriolis or self.tilt:
+            names |= {"coriolis"}
+        return tuple(sorted(names))
+
+    def pair_style(self, reach: float) -> str:
+        """LIGGGHTS command that sets the pair style up."""
+        strength = (
+            "kovacs_sodhi" if self.strength == "kovacs_sodhi" else repr(self.compressive_strength)
+        )
+        return (
+            f"pair_style gran model floe bonds {_yes(self.bonds)} friction {_yes(self.friction)}"
+            f" ridging {_yes(self.ridging)} ridge_force {self.ridge_force!r}"
+            f" ridge_hardening {self.ridge_hardening!r} ridge_thickness {self.ridge_thickness!r}"
+            f" bond_young {self.young_modulus!r} poisson {self.poisson_ratio!r}"
+            f" bond_damping {self.bond_damping!r} compressive_strength {strength}"
+            f" tensile_share {self.tensile_share!r} friction_angle {self.friction_angle!r}"
+            f" contact_young {self.contact_modulus!r}"
+            f" contact_shear_ratio {self.contact_shear_ratio!r}"
+            f" contact_damping {self.contact_damping!r}"
+            f" friction_coefficient {self.friction_coefficient!r} reach {reach!r}"
+            f" deterministic {_yes(self.deterministic)} exact_losses {_yes(self.exact_losses)}"
+        )
+
+    def fix_style(self) -> str:
+        """LIGGGHTS command that sets the integrator up."""
+        return (
+            f"fix motion all floe/integrate stop_at_fault no wind {_yes(self.wind)}"
+            f" wind_relative {_yes(self.relative_wind)} ocean_drag {_yes(self.ocean_drag)}"
+            f" coriolis {_yes(self.coriolis)} tilt {_yes(self.tilt)}"
+            f" air_drag {self.wind_stress_factor!r} water_drag {self.ocean_stress_factor!r}"
+            f" turning_angle {self.turning_angle!r}"
+        )
+
+
+def _yes(flag: bool) -> str:
+    return "yes" if flag else "no"
+
+
+@dataclass(frozen=True)
+class Forcing:
+    """Wind, current and Coriolis parameter on a regular grid.
+
+    Parameters
+    ----------
+    time : ndarray, shape (nt,)
+        s, ascending; a single time holds always.
+    x, y : ndarray, shapes (nx,), (ny,)
+        Grid axes, m, equally spaced and ascending. Outside of them the edge holds.
+    fields : dict of ndarray
+        wind_u, wind_v, ocean_u, ocean_v (m/s), shape (nt, ny, nx); coriolis (1/s), shape (ny, nx).
+        Only those that the switches need.
+    """
+
+    time: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    fields: dict[str, np.ndarray] = field(default_factory=dict)
+
+    def packed(self, needed: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+        """Arrays for the plugin: velocities (nt, ny, nx, 4) and Coriolis parameter (ny, nx).
+
+        Raises
+        ------
+        FloeError
+            If a field is missing, has a wrong shape or is not finite, or an axis is not regular.
+        """
+        nt, ny, nx = len(self.time), len(self.y), len(self.x)
+        for name in ("time", "x", "y"):
+            axis = np.asarray(getattr(self, name), dtype=float)
+            if len(axis) == 0 or not np.isfinite(axis).all() or (np.diff(axis) <= 0).any():
+                raise FloeError(f"The forcing's {name} axis must be finite and ascending.")
+            if name != "time" and len(axis) > 2:
+                gaps = np.diff(axis)
+                if np.ptp(gaps) > 1e-6 * gaps.mean():
+                    raise FloeError(f"The forcing's {name} axis must be equally spaced.")
+        for name in needed:
+            shape = (ny, nx) if name == "coriolis" else (nt, ny, nx)
+            if name not in self.fields:
+                raise FloeError(f"The forcing has no {name}, which the scene's effects need.")
+            values = np.asarray(self.fields[name])
+            if values.shape != shape:
+                raise FloeError(
+                    f"The forcing's {name} has the shape {values.shape} instead of {shape}."
+                )
+            if not np.isfinite(values).all():
+                raise FloeError(f"The forcing's {name} is not finite everywhere.")
+        velocity = np.zeros((nt, ny, nx, 4))
+        for k, name in enumerate(VELOCITIES):
+            if name in needed:
+                velocity[..., k] = self.fields[name]
+        coriolis = np.zeros((ny, nx))
+        if "coriolis" in needed:
+            coriolis[...] = self.fields["coriolis"]
+        return velocity, coriolis

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The plugin's C interface as Python sees it, and where the plugin lies."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import functools
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+from numpy.ctypeslib import ndpointer
+
+from floeflow.core.errors import FloeError
+
+_INTEGERS = ndpointer(np.int64, flags="C_CONTIGUOUS")
+_NUMBERS = ndpointer(np.float64, flags="C_CONTIGUOUS")
+_TYPES = ndpointer(np.int8, flags="C_CONTIGUOUS")
+_COUNT = ctypes.c_longlong
+_COUNTED = ctypes.POINTER(ctypes.c_longlong)
+_FUNCTIONS: dict[str, tuple[object, list[object]]] = {
+    "floe_error": (ctypes.c_char_p, []),
+    "floe_open": (
+        ctypes.c_int,
+        [
+            ctypes.c_int,
+            ctypes.POINTER(ctypes.c_char_p),
+            ctypes.c_void_p,
+            ctypes.POINTER(ctypes.c_void_p),
+        ],
+    ),
+    "floe_close": (None, [ctypes.c_void_p]),
+    "floe_command": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p]),
+    "floe_set_start_time": (None, [ctypes.c_void_p, ctypes.c_double]),
+    "floe_create_elements": (
+        ctypes.c_int,
+        [ctypes.c_void_p, _COUNT, _INTEGERS, _TYPES, _NUMBERS],
+    ),
+    "floe_count_elements": (_COUNT, [ctypes.c_void_p]),
+    "floe_get_elements": (None, [ctypes.c_void_p, _INTEGERS, _TYPES, _NUMBERS]),
+    "floe_put_pairs": (
+        ctypes.c_int,
+        [
+            *(ctypes.c_void_p, _COUNT, _INTEGERS, _NUMBERS),
+            *(_COUNT, _INTEGERS, _NUMBERS),
+        ],
+    ),
+    "floe_count_pairs": (None, [ctypes.c_void_p, _COUNTED, _COUNTED]),
+    "floe_get_pairs": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS, _INTEGERS, _NUMBERS]),
+    "floe_set_walls": (
+        ctypes.c_int,
+        [ctypes.c_void_p, _COUNT, _COUNT, _INTEGERS, _NUMBERS],
+    ),
+    "floe_put_wall_contacts": (ctypes.c_int, [ctypes.c_void_p, _COUNT, _INTEGERS, _NUMBERS]),
+    "floe_count_wall_contacts": (_COUNT, [ctypes.c_void_p]),
+    "floe_get_wall_contacts": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
+    "floe_wall_forces": (None, [ctypes.c_void_p, _NUMBERS, _NUMBERS]),
+    "floe_set_forcing": (
+        ctypes.c_int,
+        [
+            *(ctypes.c_void_p, _COUNT, _COUNT, _COUNT, _NUMBERS),
+            *(ctypes.c_double,) * 4,
+            *(_NUMBERS, _NUMBERS),
+        ],
+    ),
+    "floe_sum_names": (ctypes.c_char_p, []),
+    "floe_sums": (ctypes.c_int, [ctypes.c_void_p, _NUMBERS, ctypes.c_int]),
+    "floe_fault": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
+}
+
+
+def plugin_path() -> Path:
+    """Where the plugin lies: FLOEFLOW_PLUGIN, else in the build folder of the repository."""
+    named = os.environ.get("FLOEFLOW_PLUGIN")
+    if named:
+        return Path(named)
+    return Path(__file__).resolve().parents[3] / "build" / "liggghts_models" / "libfloe.so"
+
+
+@functools.cache
+def load_plugin() -> ctypes.CDLL:
+    """Load the plugin, and LIGGGHTS with it, once per process.
+
+    Raises
+    ------
+    FloeError
+        If it is not there, cannot be loaded or lacks a function, as an older one does.
+    """
+    path = plugin_path()
+    if not path.is_file():
+        raise FloeError(f"The LIGGGHTS plugin {path} does not exist: `make setup` makes it.")
+    try:
+        library = ctypes.CDLL(str(path), mode=ctypes.RTLD_GLOBAL)
+    except OSError as error:
+        raise FloeError(f"The LIGGGHTS plugin {path} cannot be loaded: {error}") from error
+    for name, (result, arguments) in _FUNCTIONS.items():
+        function = getattr(library, name, None)
+        if function is None:
+            raise FloeError(
+                f"The LIGGGHTS plugin {path} does not fit this FloeFlow, it has no {name}: "
+                "`make setup` builds it anew."
+            )
+        function.restype = result
+        function.argtypes = arguments
+    return library
+
+
+@contextlib.contextmanager
+def quiet_errors() -> Iterator[None]:
+    """Keep LIGGGHTS' warnings about its own styles, printed at each opening, off the terminal."""
+    saved = os.dup(2)
+    with open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)
+
+
+def open_liggghts(
+    library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm, log: Path
+) -> int:
+    """Open LIGGGHTS on a communicator with a log; returns 1 if that failed."""
+    words = ["liggghts", "-screen", "none", "-log", str(log)]
+    arguments = (ctypes.c_char_p * len(words))(*(word.encode() for word in words))
+    handle = ctypes.c_void_p(MPI._addressof(comm))
+    with quiet_errors():
+        return int(library.floe_open(len(words), arguments, handle, ctypes.byref(instance)))

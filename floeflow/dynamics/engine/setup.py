@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""How LIGGGHTS is set up for a state: box, neighbour lists and their reach, styles."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from floeflow.core.errors import FloeError
+from floeflow.dynamics.engine.params import EngineParams
+from floeflow.state.bonds import Arrays
+
+# The furthest that neighbours are sought for, as a multiple of the sum of two radii.
+LONGEST_REACH = 4.0
+# Steps that a neighbour list should last, and the speed (m/s) that ice driven by wind reaches.
+LIST_LIFE = 300
+DRIFT_SPEED = 0.3
+# Discs in a plane, in the order of their places; ghosts carry velocities.
+PLANE = (
+    "units si",
+    "dimension 2",
+    "atom_style granular",
+    "atom_modify sort 1000 0",
+    # The box follows the elements and is at least what it is now: none can leave it.
+    "boundary m m p",
+    "newton off",
+    "communicate single vel yes",
+    "processors * * 1",
+)
+
+
+def setup_commands(elements: Arrays, params: EngineParams, reach: float) -> list[str]:
+    """LIGGGHTS commands before elements are created.
+
+    Parameters
+    ----------
+    elements : dict of ndarray, shape (n,)
+        As `Engine.load` takes them.
+    params : EngineParams
+        Laws, switches and time step.
+    reach : float
+        Neighbours are kept up to this multiple of the sum of radii.
+    """
+    skin = params.skin if params.skin is not None else choose_skin(elements, params)
+    margin = 2.0 * float(elements["radius"].max()) * reach + skin
+    low = [float(elements[axis].min()) - margin for axis in ("x", "y")]
+    high = [float(elements[axis].max()) + margin for axis in ("x", "y")]
+    return [
+        *PLANE,
+        # As deep as wide neighbourhoods: LIGGGHTS refuses to bin a flat box.
+        f"region box block {low[0]!r} {high[0]!r} {low[1]!r} {high[1]!r}"
+        f" {-margin!r} {margin!r} units box",
+        "create_box 2 box",
+        f"neighbor {skin!r} bin",
+        # Not `one` or `page`: with other than their defaults LIGGGHTS 3.8 makes new lists at
+        # each `run` and forgets all pairs.
+        "neigh_modify delay 0 every 1 check yes",
+        "neigh_modify exclude type 2 2",
+        params.pair_style(reach),
+        "pair_coeff * *",
+        f"timestep {params.time_step!r}",
+        params.fix_style(),
+        "thermo_style custom step atoms",
+        "thermo_modify lost ignore norm no",
+        "thermo 1000000000",
+    ]
+
+
+def choose_skin(elements: Arrays, params: EngineParams) -> float:
+    """Extra distance (m) of the neighbour lists, from speed and step.
+
+    A list should last some hundreds of steps, neither rebuilt often nor full of pairs that never
+    meet; the skin stays between 2 % and 50 % of the mean radius.
+    """
+    speed = max(DRIFT_SPEED, float(np.hypot(elements["u"], elements["v"]).max()))
+    mean = float(elements["radius"].mean())
+    return float(np.clip(2.0 * LIST_LIFE * speed * params.time_step, 0.02 * mean, 0.5 * mean))
+
+
+def contact_reach(elements: Arrays, contacts: Arrays, params: EngineParams) -> float:
+    """Furthest that centres in contact can be apart, over the sum of their radii.
+
+    With ridging a contact may reach across a gap: that of the bond which broke there, or one that
+    ridging on other sides of its elements left (negative rest overlap).
+    """
+    if not params.ridging or len(contacts["id_lo"]) == 0:
+        return 1.0
+    lo, hi = (np.searchsorted(elements["id"], contacts[name]) for name in ("id_lo", "id_hi"))
+    radii = elements["radius"][lo] + elements["radius"][hi]
+    distance = np.hypot(*(elements[axis][hi] - elements[axis][lo] for axis in ("x", "y")))
+    touching = radii - np.minimum(contacts["rest_overlap"], 0.0)
+    return float(np.max(np.maximum(touching, distance) / radii)) * 1.002
+
+
+def bond_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> float:
+    """Furthest that a bonded pair's centres can be apart, over the sum of its radii.
+
+    A point of a bond survives a displacement of at most the strength over the stiffness; the
+    centres are then no further apart than the two arms to the line and that displacement.
+
+    Raises
+    ------
+    FloeError
+        If that lies beyond what the neighbour lists can cover, naming the pair.
+    """
+    if len(bonds["id_lo"]) == 0:
+        return 1.0
+    if params.reach is not None:
+        return params.reach
+    ids = elements["id"]
+    lo, hi = np.searchsorted(ids, bonds["id_lo"]), np.searchsorted(ids, bonds["id_hi"])
+    arm = sum(
+        np.maximum(
+            np.hypot(bonds[f"{side}_ax"], bonds[f"{side}_ay"]),
+            np.hypot(bonds[f"{side}_bx"], bonds[f"{side}_by"]),
+        )
+        for side in ("lo", "hi")
+    )
+    compressive = params.bond_strength(bonds["thickness"])
+    tensile = params.tensile_share * compressive
+    shear = (compressive + tensile) * math.tan(params.friction_angle)
+    # Tension and shear do not reach their largest values together; both do bound the line.
+    normal = np.maximum(tensile, compressive) / params.young_modulus
+    stretch = bonds["span"] * np.hypot(normal, shear / params.shear_modulus)
+    reach = (arm + stretch) / (elements["radius"][lo] + elements["radius"][hi])
+    worst = int(np.argmax(reach))
+    if reach[worst] > LONGEST_REACH:
+        raise FloeError(
+            f"The bond between elements {bonds['id_lo'][worst]} and {bonds['id_hi'][worst]} "
+            f"survives until its centres are {reach[worst]:.3g} times the sum of the radii apart, "
+            f"beyond the {LONGEST_REACH:g} that neighbour lists cover: lower the strengths, raise "
+            "young_modulus, or set reach."
+        )
+    return float(reach[worst]) * 1.002

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Tables of elements, bonds and contacts between NumPy and the plugin, gathered over the ranks."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+from mpi4py import MPI
+
+from floeflow.state.bonds import BOND_COLUMNS, CONTACT_COLUMNS, RIDGE_COLUMNS, Arrays, line_length
+
+# Columns of an element in the plugin's order (liggghts_models/capi/capi.h).
+COLUMNS = (
+    *("x", "y", "theta", "u", "v", "omega", "radius", "mass", "thickness", "ice_area"),
+    "ridged_area",
+)
+_CONTACT = (*CONTACT_COLUMNS, *RIDGE_COLUMNS)
+_NOT_FINITE, _BOND_REACH = 1, 3
+
+
+def stack_columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
+    """Columns of a table side by side, shape (rows, columns)."""
+    # Only ridging has the columns that may be missing; without it, and at its start, they are 0.
+    none = np.zeros(len(next(iter(table.values()))))
+    optional = ("ridged_area", *RIDGE_COLUMNS)
+    columns = [
+        np.asarray(table.get(name, none) if name in optional else table[name], dtype=float)
+        for name in names
+    ]
+    return np.ascontiguousarray(np.column_stack(columns))
+
+
+def gather(comm: MPI.Comm, local: np.ndarray) -> np.ndarray:
+    """Rows of all ranks, by rank, on every rank."""
+    counts = comm.allgather(local.nbytes)
+    out = np.empty(sum(counts), np.uint8)
+    comm.Allgatherv(
+        [np.ascontiguousarray(local).reshape(-1).view(np.uint8), MPI.BYTE], [out, counts, MPI.BYTE]
+    )
+    return out.view(local.dtype).reshape(-1, *local.shape[1:])
+
+
+def create_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, elements: Arrays) -> int:
+    """Make each rank's elements, in the order of the table; returns 1 if that failed."""
+    ids = np.ascontiguousarray(elements["id"], dtype=np.int64)
+    kind = np.ascontiguousarray(elements["type"], dtype=np.int8)
+    columns = stack_columns(elements, COLUMNS)
+    return int(library.floe_create_elements(instance, len(ids), ids, kind, columns))
+
+
+def get_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm) -> Arrays:
+    """All elements, sorted by id, on every rank."""
+    n = int(library.floe_count_elements(instance))
+    ids, kind = np.empty(n, np.int64), np.empty(n, np.int8)
+    columns = np.empty((n, len(COLUMNS)))
+    library.floe_get_elements(instance, ids, kind, columns)
+    ids, kind, columns = (gather(comm, a) for a in (ids, kind, columns))
+    order = np.argsort(ids)
+    out: Arrays = {"id": ids[order], "type": kind[order]}
+    for k, name in enumerate(COLUMNS):
+        out[name] = columns[order, k].copy()
+    return out
+
+
+def put_pairs(
+    library: ctypes.CDLL, instance: ctypes.c_void_p, bonds: Arrays, contacts: Arrays
+) -> int:
+    """Put all pairs into the neighbour lists; returns 1 if that failed."""
+    arguments: list[object] = []
+    for table, names in ((bonds, BOND_COLUMNS), (contacts, _CONTACT)):
+        ids = np.column_stack([table["id_lo"], table["id_hi"]]).astype(np.int64)
+        arguments += [len(ids), np.ascontiguousarray(ids), stack_columns(table, names)]
+    return int(library.floe_put_pairs(instance, *arguments))
+
+
+def count_pairs(library: ctypes.CDLL, instance: ctypes.c_void_p) -> tuple[int, int]:
+    """How many bonds and contacts this rank speaks for."""
+    bonds, contacts = ctypes.c_longlong(), ctypes.c_longlong()
+    library.floe_count_pairs(instance, ctypes.byref(bonds), ctypes.byref(contacts))
+    return bonds.value, contacts.value
+
+
+def get_pairs(
+    library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm, contact: tuple[str, ...]
+) -> tuple[Arrays, Arrays]:
+    """Bond table and contact table with these columns, sorted by (id_lo, id_hi), on every rank."""
+    counts = count_pairs(library, instance)
+    ids = [np.empty((n, 2), np.int64) for n in counts]
+    values = [np.empty((counts[0], len(BOND_COLUMNS))), np.empty((counts[1], len(_CONTACT)))]
+    library.floe_get_pairs(instance, ids[0], values[0], ids[1], values[1])
+    tables = []
+    for k, (names, wanted) in enumerate(((BOND_COLUMNS, BOND_COLUMNS), (_CONTACT, contact))):
+        pair, row = gather(comm, ids[k]), gather(comm, values[k])
+        order = np.lexsort((pair[:, 1], pair[:, 0]))
+        table = {"id_lo": pair[order, 0].copy(), "id_hi": pair[order, 1].copy()}
+        for column, name in enumerate(names):
+            if name in wanted:
+                table[name] = row[order, column].copy()
+        tables.append(table)
+    tables[0]["length"] = line_length(tables[0])
+    return tables[0], tables[1]
+
+
+def get_sums(
+    library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
+) -> tuple[int, dict[str, float]]:
+    """Whether it failed (1), and the plugin's sums over all ranks by name."""
+    names = library.floe_sum_names().decode().split()
+    sums = np.zeros(len(names))
+    failed = int(library.floe_sums(instance, sums, len(sums)))
+    total, largest = np.empty_like(sums), np.empty_like(sums)
+    comm.Allreduce(sums, total, op=MPI.SUM)
+    comm.Allreduce(sums, largest, op=MPI.MAX)
+    out = dict(zip(names, total.tolist(), strict=True))
+    out["max_overlap"] = float(largest[names.index("max_overlap")])
+    return failed, out
+
+
+def missing_pairs(wanted: Arrays, present: Arrays) -> list[tuple[int, int]]:
+    """Pairs of one table that another does not have."""
+    have = set(zip(present["id_lo"].tolist(), present["id_hi"].tolist(), strict=True))
+    want = zip(wanted["id_lo"].tolist(), wanted["id_hi"].tolist(), strict=True)
+    return [pair for pair in want if pair not in have]
+
+
+def first_fault(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm) -> str:
+    """Sentence about the first element that failed on any rank; empty if none did."""
+    whole, real = np.zeros(4, np.int64), np.zeros(6)
+    library.floe_fault(instance, whole, real)
+    found = [f for f in comm.allgather((whole.tolist(), real.tolist())) if f[0][0]]
+    if not found:
+        return ""
+    (kind, step, ident, partner), (x, y, fx, fy, torque, speed) = min(
+        found, key=lambda f: f[0][1:3]
+    )
+    place = f"at ({x:.6g}, {y:.6g}) m in step {step}"
+    if kind == _BOND_REACH:
+        return (
+            f"The bond between elements {ident} and {partner}, {place}, became longer than the "
+            "neighbour lists reach: set a longer reach."
+        )
+    what = "became non-finite" if kind == _NOT_FINITE else f"ran away with {speed:.3g} m/s"
+    return (
+        f"Element {ident} {what} {place}; last force ({fx:.6g}, {fy:.6g}) N, torque "
+        f"{torque:.6g} N m: is the time step too long?"
+    )

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Replace the elements of a state by fresh ones in the cells of a tessellation.
+
+Elements that drifted off the cells, out of the scene, stay as they are, with ids above those of
+all cells. Coast elements stay.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+import xarray as xr
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+from floeflow.dynamics.remesh.outline import cut
+from floeflow.dynamics.remesh.overlap import Pieces, carried_polygons, covered, make_pieces, overlap
+from floeflow.dynamics.remesh.pairs import Ancestry, coast_bonds, fresh_bonds, fresh_contacts
+from floeflow.dynamics.remesh.spread import enclosed, gather_crumbs, spread
+from floeflow.dynamics.remesh.tables import (
+    corner_rows,
+    element_values,
+    joined_pairs,
+    kept_pairs,
+    put_together,
+    with_pairs,
+)
+from floeflow.dynamics.remesh.transport import transport, values_of
+from floeflow.state.bonds import Arrays
+from floeflow.state.cells import Cells, rings_of
+from floeflow.state.elements import joint_thickness, pair_arrays
+from floeflow.state.schema import COAST, MOBILE, VARIABLES
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Index = NDArray[np.int64]
+
+# An element that lies on the cells with less than this share of itself has left them.
+LEAST_COVER = 0.5
+# A cell holds more than its area where it is more by this share.
+ROUND_OFF = 1.0e-9
+
+
+@dataclass(frozen=True)
+class Laid:
+    """A state's mobile elements laid on the cells.
+
+    Parameters
+    ----------
+    rows : ndarray
+        Rows in the state of the elements that lie on the cells, (n,).
+    guests : ndarray
+        Rows of the mobile ones that do not.
+    pieces : Pieces
+        Overlap of those with the cells.
+    centre : ndarray
+        Centres of their outlines (m), (n, 2).
+    """
+
+    rows: Index
+    guests: Index
+    pieces: Pieces
+    centre: Array
+
+
+def lay(state: xr.Dataset, cells: Cells) -> Laid:
+    """Find what of a state's elements lies on which cells.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        A state with outlines (effect ``remap``).
+    cells : Cells
+        The fresh cells.
+    """
+    mobile = np.flatnonzero((state["type"].values == MOBILE) & (state["area"].values > 0))
+    place = np.stack([state["x"].values, state["y"].values], axis=1)[mobile]
+    area = state["area"].values[mobile]
+    start, corner = outlines(state, mobile)
+    near = cKDTree(np.stack([cells.x, cells.y], axis=1)).query(place)[1]
+    on_map = area / cells.scale[near]
+    old = carried_polygons(start, corner, place, state["theta"].values[mobile], on_map)
+    pairs = overlap(old, cells.polygons)
+    on = covered(pairs[0], pairs[2], old) >= LEAST_COVER
+    chosen = np.flatnonzero(on)
+    pieces = make_pieces(pairs, chosen, area[chosen], len(cells.id))
+    centre = shapely.get_coordinates(shapely.centroid(old[chosen]))
+    return Laid(mobile[chosen], mobile[~on], pieces, centre)
+
+
+def outlines(state: xr.Dataset, rows: Index) -> tuple[Index, Array]:
+    """Open rings in the body frames of some elements: starts and corners (m)."""
+    count = state["cell_corners"].values
+    corner = np.stack([state["corner_x"].values, state["corner_y"].values], axis=1)
+    start = np.concatenate([[0], np.cumsum(count[rows])])
+    return start.astype(np.int64), corner[corner_rows(count, rows)]
+
+
+def overlapping(laid: Laid, cells: Cells) -> float:
+    """Share of the elements' area by which they overlap: what is too much for the cells."""
+    held = np.bincount(laid.pieces.target, weights=laid.pieces.area, minlength=len(cells.id))
+    total = float(laid.pieces.area.sum())
+    return float(np.maximum(held - cells.area, 0.0).sum()) / total if total > 0 else 0.0
+
+
+def remap(
+    state: xr.Dataset, cells: Cells, laid: Laid, bond_gap: float, slopes: bool = True
+) -> xr.Dataset:
+    """Fresh elements that hold what the old ones held.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        A state with outlines.
+    cells : Cells
+        The fresh cells.
+    laid : Laid
+        From `lay`, of the same two.
+    bond_gap : float
+        As in `packing.bond_gap`.
+    slopes : bool
+        As in `transport`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Ice and snow volume, ice area and momentum as before, to round-off; effective areas and
+        unclaimed water still add up to the ocean's area.
+    """
+    names = [n for n, rule in VARIABLES.items() if rule.kind and n in state]
+    values = {name: state[name].values[laid.rows] for name in names}
+    arrived = transport(values, laid.centre, laid.pieces, slopes=slopes)
+    beside = cells.neighbours()
+    move = spread(arrived["area"], cells.area, cells.ease())
+    # What has nothing to be a property of takes the mean over the area that came in, and a hole
+    # that of its neighbours.
+    share = laid.pieces.matrix()
+    fill = {name: move(_product(share.T, values[name])) for name in names if name != "area"}
+    arrived = {name: move(amount) for name, amount in arrived.items()}
+    crumbs = gather_crumbs(arrived["area"], cells.area, beside)
+    arrived = {name: _product(crumbs, amount) for name, amount in arrived.items()}
+    fill = {name: _product(crumbs, amount) for name, amount in fill.items()}
+    share = sparse.csr_matrix(share @ crumbs.T)
+    icy = arrived["ice_fraction"].sum(axis=1) > 0
+    # Water amid ice is kept, or made, as an element: a lead can freeze.
+    held = icy | enclosed(icy, beside)
+    inside = held & enclosed(held, beside)
+    # A round-off above the cell's own area would add up over the windows.
+    over = arrived["area"] > (1.0 + ROUND_OFF) * cells.area
+    area = np.where(inside & ~over, cells.area, arrived["area"])
+    stays = np.flatnonzero(held & (area > 0))
+    fill = _means(fill, arrived["area"], held & (arrived["area"] == 0), beside)
+    fresh = values_of(
+        {name: amount[stays] for name, amount in arrived.items()},
+        area[stays],
+        {name: mean[stays] for name, mean in fill.items()},
+    )
+    return _assemble(state, cells, laid, fresh, stays, share, bond_gap)
+
+
+def _product(matrix: sparse.spmatrix, values: Array) -> Array:
+    flat = matrix @ values.reshape(len(values), -1)
+    return np.asarray(flat).reshape(matrix.shape[0], *values.shape[1:])
+
+
+def _means(
+    total: dict[str, Array], area: Array, holes: Flags, beside: sparse.csr_matrix
+) -> dict[str, Array]:
+    """Means over the area, and in holes over the neighbours."""
+    near = sparse.csr_matrix(beside > 0)[np.flatnonzero(holes)].astype(float)
+    count = np.asarray(near.sum(axis=1)).ravel()
+    out = {}
+    for name, values in total.items():
+        shape = (-1,) + (1,) * (values.ndim - 1)
+        mean = values / np.where(area > 0, area, 1.0).reshape(shape)
+        # A hole's neighbours all hold something, or are holes themselves and count nothing.
+        around = _product(near, mean) / count.reshape(shape)
+        mean[holes] = around
+        out[name] = mean
+    return out
+
+
+def _content_centres(laid: Laid) -> Array:
+    pieces = laid.pieces
+    total = np.bincount(pieces.target, weights=pieces.area, minlength=pieces.targets)
+    moments = [
+        np.bincount(pieces.target, weights=pieces.area * at, minlength=pieces.targets)
+        for at in (pieces.x, pieces.y)
+    ]
+    known = np.where(total > 0, total, 1.0)
+    return np.stack([np.where(total > 0, m / known, np.nan) for m in moments], axis=1)
+
+
+def _assemble(
+    state: xr.Dataset,
+    cells: Cells,
+    laid: Laid,
+    values: dict[str, Array],
+    stays: Index,
+    share: sparse.csr_matrix,
+    bond_gap: float,
+) -> xr.Dataset:
+    site = np.stack([cells.x, cells.y], axis=1)[stays]
+    middle = _content_centres(laid)[stays]
+    middle = np.where(np.isnan(middle), site, middle)
+    size = np.sqrt(np.minimum(values["area"] / cells.area[stays], 1.0))
+    # A smaller disc stays inside of its cell's disc, so that none overlap.
+    off = middle - site
+    way = np.maximum(np.hypot(*off.T), 1e-300)
+    most = cells.radius[stays]
+    place = site + ((1.0 - size) * np.minimum(1.0, most / way))[:, None] * off
+    polygons = cut(cells.polygons[stays], size**2, middle)
+    start, ring = rings_of(polygons)
+    corners = np.diff(start)
+    made = values | {
+        "id": cells.id[stays],
+        "type": np.full(len(stays), MOBILE),
+        "x": place[:, 0],
+        "y": place[:, 1],
+        "theta": np.zeros(len(stays)),
+        "radius": most * size,
+        "cell_corners": corners,
+    }
+    body = ring - np.repeat(place, corners, axis=0)
+    kept = np.append(np.flatnonzero(state["type"].values == COAST), laid.guests)
+    old = element_values(state, kept)
+    # Guests are numbered above all cells and the coast, in the order that they had.
+    first = 1 + max(int(cells.id[-1]), int(old["id"][: -len(laid.guests) or None].max(initial=0)))
+    names = first + np.arange(len(laid.guests))
+    old["id"][len(kept) - len(names) :] = names
+    elements = {name: np.concatenate([made[name], old[name]]) for name in old}
+    out = put_together(state, elements, np.concatenate([body, outlines(state, kept)[1]]))
+    water = float(state.attrs["unclaimed_water"])
+    out.attrs["unclaimed_water"] = water + _total_area(state) - _total_area(out)
+    bonds, contacts = _pairs(state, cells, laid, made, stays, share, bond_gap)
+    guests = state["id"].values[laid.guests]
+    tables = {
+        kind: joined_pairs([table, kept_pairs(pair_arrays(state, kind), guests, names)])
+        for kind, table in (("bond", bonds), ("contact", contacts))
+        if table
+    }
+    return with_pairs(out, tables)
+
+
+def _total_area(state: xr.Dataset) -> float:
+    return float(state["area"].values.sum())
+
+
+def _rows_of(state: xr.Dataset, rows: Index) -> Arrays:
+    names = ("id", "x", "y", "theta", "radius")
+    return {name: state[name].values[rows] for name in names}
+
+
+def _between(table: Arrays, some: Index, others: Index) -> Arrays:
+    """Pairs with one element of each kind."""
+    lo, hi = table["id_lo"], table["id_hi"]
+    both = np.isin(lo, some) & np.isin(hi, others) | np.isin(lo, others) & np.isin(hi, some)
+    return {name: values[both] for name, values in table.items()}
+
+
+def _pairs(
+    state: xr.Dataset,
+    cells: Cells,
+    laid: Laid,
+    made: Arrays,
+    stays: Index,
+    share: sparse.csr_matrix,
+    bond_gap: float,
+) -> tuple[Arrays, Arrays]:
+    """Bonds and contacts of the fresh elements among themselves; no bonds: an empty dict."""
+    total = np.asarray(share.sum(axis=0)).ravel()
+    share = sparse.csr_matrix(share @ sparse.diags(1.0 / np.where(total > 0, total, 1.0)))
+    old = _rows_of(state, laid.rows)
+    old["thickness"] = joint_thickness(state)[laid.rows]
+    ancestry = Ancestry(share, old)
+    fresh: Arrays = {"id": cells.id, "x": cells.x.copy(), "y": cells.y.copy()}
+    fresh |= {name: np.zeros(len(cells.id)) for name in ("theta", "radius", "thickness")}
+    for name in ("x", "y", "radius"):
+        fresh[name][stays] = made[name]
+    fresh["thickness"][stays] = made["ice_volume"].sum(axis=1)
+    bonds: Arrays = {}
+    bonded = np.zeros(len(cells.lo), dtype=bool)
+    if "bond_id_lo" in state:
+        before = kept_pairs(pair_arrays(state, "bond"), old["id"], old["id"])
+        bonds = fresh_bonds(ancestry, before, fresh, cells, bond_gap)
+        base = int(cells.id[-1]) + 1
+        sides = cells.id[cells.lo] * base + cells.id[cells.hi]
+        bonded = np.isin(sides, bonds["id_lo"] * base + bonds["id_hi"])
+        coast = _rows_of(state, np.flatnonzero(state["type"].values == COAST))
+        ashore = _between(pair_arrays(state, "bond"), old["id"], coast["id"])
+        if len(ashore["id_lo"]):
+            bonds = joined_pairs([bonds, coast_bonds(ancestry, ashore, fresh, coast, bond_gap)])
+    before = kept_pairs(pair_arrays(state, "contact"), old["id"], old["id"])
+    if "ridge_closing" not in before:
+        return bonds, {name: values[:0] for name, values in before.items()}
+    return bonds, fresh_contacts(ancestry, before, fresh, cells, bonded, bond_gap)

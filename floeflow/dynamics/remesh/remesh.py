@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a scene asks for at a window's end: nothing, merging, or remapping when it is time."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from floeflow.dynamics.remesh.merge import merge, merge_targets
+from floeflow.dynamics.remesh.remap import lay, overlapping, remap
+from floeflow.scene import Scene
+from floeflow.state.cells import Cells
+from floeflow.state.elements import element_arrays
+from floeflow.state.schema import MOBILE
+
+Terms = dict[str, float]
+
+
+def cure(scene: Scene, state: xr.Dataset, cells: Cells | None) -> tuple[xr.Dataset, Terms]:
+    """Merge or remap a state's elements, where the scene asks for it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its effects choose the cure, its keys when.
+    state : xarray.Dataset
+        State at a window's end, with the number of that window.
+    cells : Cells or None
+        Fresh cells, with ``remap``.
+
+    Returns
+    -------
+    tuple of xarray.Dataset and dict
+        The state, and terms of the window's budgets by their names: what was done, and what it
+        did to kinetic energy and momentum.
+    """
+    if not (state["type"].values == MOBILE).any():
+        return state, _terms(scene, state, state, 0.0)
+    overlap = 0.0
+    cured = state
+    if "merge" in scene.effects:
+        cured = merge(state, merge_targets(state, scene.merge.radius))
+    if "remap" in scene.effects and cells is not None:
+        laid = lay(state, cells)
+        overlap = overlapping(laid, cells)
+        every = scene.remap.every
+        due = every > 0 and int(state.attrs["window"]) % every == 0
+        if due or overlap > scene.remap.overlap:
+            gap, slopes = scene.packing.bond_gap, scene.remap.order == 2
+            cured = remap(state, cells, laid, gap, slopes)
+    return cured, _terms(scene, state, cured, overlap)
+
+
+def carry_drift(before: xr.Dataset, after: xr.Dataset) -> xr.Dataset:
+    """State after a motion, in whose net displacement that motion is counted.
+
+    Fresh elements begin where their cells are, so positions alone do not tell how far ice went.
+    """
+    if "drift_x" not in before:
+        return after
+    gone = {f"drift_{a}": before[f"drift_{a}"] + (after[a] - before[a]) for a in ("x", "y")}
+    return after.assign(gone)
+
+
+def _terms(scene: Scene, before: xr.Dataset, after: xr.Dataset, overlap: float) -> Terms:
+    least = scene.dynamics.minimum_thickness
+    momenta, energies = zip(*(_motion(state, least) for state in (before, after)), strict=True)
+    if "remap" in scene.effects:
+        kind = "remap"
+        terms = {"remap_done": float(after is not before), "remap_overlap": overlap}
+    elif "merge" in scene.effects:
+        kind = "merge"
+        terms = {"merge_elements": float(before.sizes["element"] - after.sizes["element"])}
+    else:
+        return {}
+    for axis, first, last in zip("xy", *momenta, strict=True):
+        terms[f"{kind}_momentum_{axis}"] = last - first
+    terms[f"{kind}_energy"] = energies[1] - energies[0]
+    return terms
+
+
+def _motion(state: xr.Dataset, minimum_thickness: float) -> tuple[tuple[float, float], float]:
+    """Momentum (kg m/s) and kinetic energy (J) of the mobile elements."""
+    arrays = element_arrays(state, minimum_thickness)
+    mobile = arrays["type"] == MOBILE
+    mass, u, v, omega, radius = (
+        arrays[name][mobile] for name in ("mass", "u", "v", "omega", "radius")
+    )
+    energy = 0.5 * mass * (u**2 + v**2 + 0.5 * (radius * omega) ** 2)
+    return (float(mass @ u), float(mass @ v)), float(energy.sum())

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Sums over time turned into rates: what ERA5 and its like give of radiation and precipitation.
+
+No attribute says over which interval a record is summed. ERA5 sums over the hour that ends at the
+record's time, however far apart a file's records are; ERA5-Land sums from midnight on; others sum
+from record to record. On hourly records the first and the last are the same; else the scene says
+which (``forcing.accumulation``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floeflow.core.errors import FloeError
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+HOUR, DAY = 3600.0, 86400.0
+# Records may be off their hour by this much (s).
+SLACK = 1.0
+
+
+@dataclass(frozen=True)
+class Rates:
+    """How records of sums make rates.
+
+    Parameters
+    ----------
+    seconds : ndarray
+        Times of the rates: middles of their intervals, and the outer ends, where the first and
+        the last hold, (k,).
+    record : ndarray
+        Record of each rate, (k,).
+    goes_on : ndarray of bool
+        Whether the record before has to be subtracted, (k,).
+    length : ndarray
+        Intervals (s), (k,).
+    """
+
+    seconds: Array
+    record: Index
+    goes_on: NDArray[np.bool_]
+    length: Array
+
+    @property
+    def index(self) -> Index:
+        """Records to read, ascending."""
+        return np.union1d(self.record, self.record[self.goes_on] - 1)
+
+    def of(self, sums: Array) -> Array:
+        """Rates (k, place), per second, from the sums of the records of ``index`` (m, place)."""
+        place = np.searchsorted(self.index, self.record)
+        before = np.where(self.goes_on[:, None], sums[np.maximum(place - 1, 0)], 0.0)
+        return np.asarray((sums[place] - before) / self.length[:, None])
+
+
+def rates(
+    seconds: Array, span: tuple[float, float], how: str, midnight: float, where: tuple[Path, str]
+) -> Rates:
+    """Plan the rates that cover a span.
+
+    Parameters
+    ----------
+    seconds : ndarray
+        Times of all records (s), ascending, (n,).
+    span : tuple of float
+        Start and end (s) that the rates have to cover.
+    how : str
+        ``hour``: over the hour up to the record; ``step``: since the record before; ``day``: since
+        midnight; empty: one record an hour is asked for, which is summed over it.
+    midnight : float
+        A midnight (UTC) on the axis of ``seconds``.
+    where : tuple
+        File and variable, for the sentence.
+
+    Raises
+    ------
+    FloeError
+        Where the intervals are not known, or do not cover the span.
+    """
+    path, name = where
+    if seconds.size < 2:
+        raise FloeError(f"{path}: '{name}' is a sum over time of one record only: give its rate")
+    before = np.concatenate([[2.0 * seconds[0] - seconds[1]], seconds[:-1]])
+    if not how:
+        if np.abs(np.diff(seconds) - HOUR).max() > SLACK:
+            raise FloeError(
+                f"{path}: '{name}' is a sum over time and its records are not hourly: say in "
+                "forcing.accumulation whether it is over the 'hour', the 'step' or the 'day'"
+            )
+        how = "hour"
+    start = seconds - HOUR if how == "hour" else before
+    goes_on, record = np.zeros(seconds.size, dtype=bool), np.arange(seconds.size)
+    if how == "day":
+        since = np.mod(before - midnight, DAY)
+        goes_on = (since > SLACK) & (since < DAY - SLACK)
+        # The first record's rate is known only if its sum began with its own interval.
+        known = slice(1, None) if goes_on[0] else slice(None)
+        start, record, goes_on = start[known], record[known], goes_on[known]
+    end = seconds[record]
+    nodes = np.concatenate([[start[0]], 0.5 * (start + end), [end[-1]]])
+    row = np.concatenate([[0], np.arange(end.size), [end.size - 1]])
+    if nodes[0] > span[0] + SLACK or nodes[-1] < span[1] - SLACK:
+        raise FloeError(f"{path}: the sums of '{name}' do not cover the scene from start to end")
+    first = max(int(np.searchsorted(nodes, span[0], side="right")) - 1, 0)
+    last = min(int(np.searchsorted(nodes, span[1], side="left")), nodes.size - 1)
+    kept = row[first : last + 1]
+    length = (end - start)[kept]
+    return Rates(nodes[first : last + 1], record[kept], goes_on[kept], length)

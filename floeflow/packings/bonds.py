@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bonds at the start: neighbours in the tessellation whose discs touch or nearly so.
+
+The glue line of a bond is the edge that the two cells share, clipped to the ice. Coast elements
+bond with nothing, or, for fast ice, with the ice beside them: the tessellation of all elements,
+coast included, says along which line.
+"""
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from floeflow.core.grids import Grid
+from floeflow.packings.tessellation import power_diagram
+from floeflow.state import read_dataset, write_dataset
+from floeflow.state.bonds import new_bonds
+from floeflow.state.elements import joint_thickness
+from floeflow.state.schema import COAST, VARIABLES
+from floeflow.workflow import job as stage
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Edges between neighbours, each a line where they may be frozen together.
+
+    Parameters
+    ----------
+    lo, hi : ndarray
+        Rows of the elements, (m,).
+    ends : ndarray
+        End points ax, ay, bx, by (m), (m, 4).
+    """
+
+    lo: Index
+    hi: Index
+    ends: Array
+
+    def pick(self, chosen: NDArray[np.bool_]) -> "Edges":
+        """Those that are chosen, (m,)."""
+        return Edges(self.lo[chosen], self.hi[chosen], self.ends[chosen])
+
+
+def ice_edges(packing: xr.Dataset) -> Edges:
+    """Edges that mobile elements share, as the packing has them."""
+    ends = np.column_stack([packing[f"edge_{end}"].values for end in ("ax", "ay", "bx", "by")])
+    return Edges(packing["edge_lo"].values - 1, packing["edge_hi"].values - 1, ends)
+
+
+def coast_edges(packing: xr.Dataset) -> Edges:
+    """Edges between mobile and coast elements in the tessellation of both.
+
+    They pass between the discs. Each is cut to the width of its smaller disc, about the line of
+    centres: at the end of a coast the tessellation alone would draw it far out to sea.
+    """
+    x, y, radius = (packing[name].values for name in ("x", "y", "radius"))
+    coast = packing["type"].values == COAST
+    if not coast.any() or coast.all():
+        none = np.empty(0, dtype=np.int64)
+        return Edges(none, none, np.empty((0, 4)))
+    side = float(max(np.ptp(x), np.ptp(y))) + 2.0 * float(radius.max())
+    left, low = float((x - radius).min()), float((y - radius).min())
+    whole = Grid(np.array([left + 0.5 * side]), np.array([low + 0.5 * side]), side, left, low)
+    diagram = power_diagram(np.column_stack([x, y]), radius, whole)
+    both = coast[diagram.lo] != coast[diagram.hi]
+    lo, hi, ends = diagram.lo[both], diagram.hi[both], diagram.ends[both]
+    # The radical axis crosses the line of centres where both discs have the same power.
+    dx, dy = x[hi] - x[lo], y[hi] - y[lo]
+    span = np.hypot(dx, dy)
+    arm = 0.5 * (span + (radius[lo] ** 2 - radius[hi] ** 2) / span)
+    nx, ny = dx / span, dy / span
+    cx, cy = x[lo] + arm * nx, y[lo] + arm * ny
+    along = np.stack([-(e[:, 0] - cx) * ny + (e[:, 1] - cy) * nx for e in (ends[:, 0], ends[:, 1])])
+    half = np.minimum(radius[lo], radius[hi])
+    a, b = np.clip(along, -half, half)
+    lines = np.column_stack([cx - a * ny, cy + a * nx, cx - b * ny, cy + b * nx])
+    found = Edges(lo, hi, lines)
+    return found.pick(np.abs(b - a) > 1e-6 * half)
+
+
+def frozen(packing: xr.Dataset, edges: Edges, bond_gap: float, minimum: float) -> Edges:
+    """Edges that become bonds.
+
+    Parameters
+    ----------
+    packing : xarray.Dataset
+        Output of the packing stage.
+    edges : Edges
+        Where elements meet.
+    bond_gap : float
+        Widest gap between the discs, as a share of the sum of their radii.
+    minimum : float
+        Least ice concentration of an element that is frozen to its neighbours.
+
+    Returns
+    -------
+    Edges
+        Those whose mobile elements hold ice of at least that concentration, where the gap
+        d - r_i - r_j is under ``bond_gap`` (r_i + r_j) or no more than round-off.
+    """
+    x, y, radius = (packing[name].values for name in ("x", "y", "radius"))
+    fraction = packing["ice_fraction"].values.sum(axis=1)
+    reach = radius[edges.lo] + radius[edges.hi]
+    gap = np.hypot(x[edges.hi] - x[edges.lo], y[edges.hi] - y[edges.lo]) - reach
+    near = gap < np.maximum(bond_gap, 1e-9) * reach
+    holds = (fraction > 0) & (fraction >= minimum) | (packing["type"].values == COAST)
+    return edges.pick(near & holds[edges.lo] & holds[edges.hi])
+
+
+def make_bonds(
+    packing: xr.Dataset, bond_gap: float, minimum: float, coast: bool = False
+) -> xr.Dataset:
+    """Bond table of a packing.
+
+    Parameters
+    ----------
+    packing, bond_gap, minimum
+        As in `frozen`.
+    coast : bool
+        Whether ice beside the coast is frozen to it.
+
+    Returns
+    -------
+    xarray.Dataset
+        The ``bond_`` variables of the state's schema. A bond is as thick as the thinner of its two
+        elements' load-bearing ice (volume over effective area), one to the coast as the ice.
+    """
+    kinds = [ice_edges(packing), coast_edges(packing)] if coast else [ice_edges(packing)]
+    bonded = [frozen(packing, edges, bond_gap, minimum) for edges in kinds]
+    lo, hi = (np.concatenate([getattr(edges, end) for edges in bonded]) for end in ("lo", "hi"))
+    ends = np.concatenate([edges.ends for edges in bonded])
+    thickness = joint_thickness(packing)
+    elements = {name: packing[name].values for name in ("id", "x", "y")}
+    elements["theta"] = np.zeros(len(elements["id"]))
+    thinner = np.minimum(thickness[lo], thickness[hi])
+    ax, ay, bx, by = ends.T
+    table = new_bonds(elements, lo + 1, hi + 1, ax, ay, bx, by, thinner)
+    names = {name: f"bond_{name}" for name in table}
+    assert all(name in VARIABLES for name in names.values())
+    log.info(
+        "%d bonds on %d shared edges, %d of them to the coast",
+        *(len(lo), sum(len(edges.lo) for edges in kinds), len(lo) - len(bonded[0].lo)),
+    )
+    return xr.Dataset({names[name]: ("bond", values) for name, values in table.items()})
+
+
+def main(snakemake: stage.Snakemake) -> None:
+    """Rule ``bonds``."""
+    scene = stage.scene(snakemake)
+    keys = scene.packing
+    packing = read_dataset(snakemake.input.packing)
+    bonds = make_bonds(packing, keys.bond_gap, keys.bond_concentration, keys.coast_bonds)
+    write_dataset(bonds, snakemake.output.bonds)
+
+
+if "snakemake" in globals():
+    stage.run(main, globals()["snakemake"])

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Coast elements, and radii with which no two discs overlap.
+
+Coast elements stand in the outermost land cells along all water that the ice can reach in a scene.
+Radii grow from half the distance to the nearest neighbour until each disc touches another one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
+from scipy.spatial import cKDTree
+
+from floeflow.core.grids import Grid
+from floeflow.packings.points import hilbert_key, on_ice, thin
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+# Coast is needed as far as ice may drift along it within a scene (m).
+REACH = 2.0e5
+# Coast elements keep this distance, in mean radii: gaps between them stay under a mean diameter.
+COAST_SPACING = 0.9
+# No disc is larger than this many mean radii.
+MOST_RADII = 1.5
+# Discs are spread until they could fill this share of the ice: random packings of equal discs jam
+# near 0.84 (O'Hern et al. 2003).
+FILL = 0.84
+SPREAD_ROUNDS, SPREAD_STEP = 100, 0.25
+# Each round of growth closes half of what gaps are left.
+ROUNDS = 40
+# Taken off every radius at the end, so that round-off makes no overlap.
+ROUND_OFF = 1.0e-12
+
+_SIDES = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=bool)
+
+
+def coast_points(grid: Grid, ice: Flags, land: Flags, mean_radius: float) -> tuple[Array, float]:
+    """Centres of the coast elements.
+
+    Land cells with a side on water that the ice can reach; where cells are larger than elements,
+    their sub-cells; where they are much smaller, a thinned choice.
+
+    Parameters
+    ----------
+    grid : Grid
+        The mask grid.
+    ice, land : ndarray
+        Cells with ice and cells of land, (ny, nx).
+    mean_radius : float
+        Of the mobile elements (m).
+
+    Returns
+    -------
+    points : ndarray
+        (n, 2) in metres.
+    side : float
+        Side of the squares (m) in whose centres they stand.
+    """
+    steps = int(np.ceil(REACH / grid.spacing))
+    reached = binary_dilation(ice, _SIDES, iterations=steps, mask=~land) if steps else ice
+    split = max(1, round(grid.spacing / (2.0 * mean_radius)))
+    block = np.ones((split, split), dtype=bool)
+    water, solid = np.kron(reached, block), np.kron(land, block)
+    row, column = np.nonzero(solid & binary_dilation(water, _SIDES))
+    side = grid.spacing / split
+    points = np.stack([grid.x_min + side * (column + 0.5), grid.y_min + side * (row + 0.5)], axis=1)
+    distance = COAST_SPACING * mean_radius
+    if len(points) and distance > side:
+        priority = np.argsort(np.argsort(_curve(grid, points), kind="stable"))
+        points = points[thin(points, priority, distance)]
+    return points, side
+
+
+def _curve(grid: Grid, points: Array) -> NDArray[np.int64]:
+    size = grid.spacing * max(grid.shape)
+    return hilbert_key(points[:, 0], points[:, 1], grid.x_min, grid.y_min, size)
+
+
+def spread(
+    grid: Grid, ice: Flags, points: Array, coast: Array, coast_radius: float, target: Array
+) -> Array:
+    """Push discs apart that would overlap at their target radii, so that all can grow.
+
+    In each round every pair that overlaps moves apart by a share of its overlap, a mobile disc at
+    the coast alone. A disc that would leave the ice stays.
+
+    Parameters
+    ----------
+    grid, ice
+        Mask grid and its cells with ice.
+    points : ndarray
+        Mobile centres (m), (n, 2).
+    coast : ndarray
+        Fixed centres (m), (k, 2).
+    coast_radius : float
+        Their radius (m).
+    target : ndarray
+        Target radii of the mobile discs (m), (n,).
+
+    Returns
+    -------
+    ndarray
+        Mobile centres (m), (n, 2).
+    """
+    count = len(points)
+    radius = np.concatenate([target, np.full(len(coast), coast_radius)])
+    everywhere = np.concatenate([points, coast])
+    for _ in range(SPREAD_ROUNDS):
+        pairs = cKDTree(everywhere).query_pairs(2.0 * radius.max(), output_type="ndarray")
+        pairs = pairs[pairs[:, 0] < count]
+        first, second = pairs.T
+        apart = everywhere[second] - everywhere[first]
+        distance = np.hypot(*apart.T)
+        overlap = radius[first] + radius[second] - distance
+        near = overlap > 0
+        first, second = first[near], second[near]
+        push = SPREAD_STEP * (overlap[near] / distance[near])[:, None] * apart[near]
+        alone = second >= count
+        push[alone] *= 2.0
+        moved = everywhere[:count].copy()
+        for axis in (0, 1):
+            moved[:, axis] -= np.bincount(first, weights=push[:, axis], minlength=count)[:count]
+            gain = np.where(alone, 0.0, push[:, axis])
+            moved[:, axis] += np.bincount(second, weights=gain, minlength=count)[:count]
+        stays = on_ice(grid, ice, moved)
+        everywhere[:count][stays] = moved[stays]
+    return everywhere[:count]
+
+
+def radii(points: Array, largest: Array) -> Array:
+    """Radii of discs that touch but do not overlap: r_i + r_j <= d_ij for every pair.
+
+    Parameters
+    ----------
+    points : ndarray
+        Centres (m), (n, 2), all different.
+    largest : ndarray
+        Upper limit of each radius (m), (n,).
+
+    Returns
+    -------
+    ndarray
+        Radii (m), (n,). Each disc touches another one, to round-off, or is as large as allowed.
+    """
+    if len(points) < 2:
+        return largest * (1.0 - ROUND_OFF)
+    tree = cKDTree(points)
+    nearest = tree.query(points, k=2)[0][:, 1]
+    radius = np.minimum(0.5 * nearest, largest)
+    pairs = tree.query_pairs(2.0 * float(largest.max()), output_type="ndarray")
+    first, second = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].T
+    distance = np.hypot(*(points[first] - points[second]).T)
+    for _ in range(ROUNDS):
+        gap = distance - radius[first] - radius[second]
+        room = 2.0 * (largest - radius)
+        np.minimum.at(room, first, gap)
+        np.minimum.at(room, second, gap)
+        radius += 0.5 * np.maximum(room, 0.0)
+    return radius * (1.0 - ROUND_OFF)

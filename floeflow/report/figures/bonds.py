@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Map of the bonds: which hold, which are partly cracked, which broke in the run."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from floeflow.report.figures.frame import Frame, prepare_axes
+from floeflow.report.figures.maps import WIDTH, Shapes, say_no_ice, shape_collections
+from floeflow.report.figures.style import BLUE, COAST, SKY, VERMILION, look, new_figure
+from floeflow.state.schema import MOBILE
+
+
+def glue_lines(bonds: xr.Dataset, state: xr.Dataset) -> np.ndarray:
+    """End points (km) of glue lines, carried by their lower element, (bond, 2, 2).
+
+    Parameters
+    ----------
+    bonds : xarray.Dataset
+        With ``bond_id_lo`` and the ends in the body frame of that element.
+    state : xarray.Dataset
+        Where the elements are now; a bond whose element is gone is left out.
+    """
+    ids, lo = state["id"].values, bonds["bond_id_lo"].values
+    place = np.searchsorted(ids, lo)
+    there = place < ids.size
+    there[there] = ids[place[there]] == lo[there]
+    place = place[there]
+    cos, sin = np.cos(state["theta"].values[place]), np.sin(state["theta"].values[place])
+    ends = []
+    for end in "ab":
+        bx = bonds[f"bond_lo_{end}x"].values[there]
+        by = bonds[f"bond_lo_{end}y"].values[there]
+        px = state["x"].values[place] + cos * bx - sin * by
+        py = state["y"].values[place] + sin * bx + cos * by
+        ends.append(np.stack([px, py], axis=1))
+    return np.stack(ends, axis=1) / 1e3
+
+
+def bond_map(
+    frame: Frame, first: xr.Dataset, last: xr.Dataset, shapes: Shapes, title: str
+) -> Figure:
+    """Map the bonds of the first state as they are in the last: whole, cracked, broken.
+
+    Parameters
+    ----------
+    frame : Frame
+        Land, projection, extent.
+    first, last : xarray.Dataset
+        First and last state.
+    shapes : Shapes
+        Outlines of the last state's elements.
+    title : str
+        Title.
+    """
+    whole, cracked, broken = sort_bonds(first, last)
+    with look():
+        figure = new_figure(*frame.size(1.4 * WIDTH))
+        axes = figure.add_subplot()
+        prepare_axes(axes, frame, title)
+        for collection, index in shape_collections(axes, last, shapes):
+            ice = last["type"].values[index] == MOBILE
+            faces = np.where(ice, "#ffffff", COAST)
+            collection.set_facecolor([str(face) for face in faces])
+            axes.add_collection(collection, autolim=False)
+        styles = ((whole, SKY, 0.5), (cracked, BLUE, 1.2), (broken, VERMILION, 1.9))
+        names = ("whole", "partly cracked", "broken")
+        for (bonds, colour, width), name in zip(styles, names, strict=True):
+            lines = LineCollection(
+                list(glue_lines(bonds, last)), colors=colour, linewidths=width, zorder=4
+            )
+            axes.add_collection(lines, autolim=False)
+            label = f"{name}: {bonds.sizes['bond']:,}"
+            axes.plot([], [], color=colour, linewidth=width, label=label)
+        figure.legend(loc="outside lower center", ncols=3, fontsize=8.5)
+        if not (last["type"].values == MOBILE).any():
+            say_no_ice(axes)
+    return figure
+
+
+def sort_bonds(first: xr.Dataset, last: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """Bonds of the first state by what became of them: whole, partly cracked, broken.
+
+    Where elements were remapped or merged since, those of the last state, of which none is broken.
+    """
+    if "drift_x" in last or not np.array_equal(first["id"], last["id"]):
+        first = last
+    then = _pair_keys(first)
+    crack = {
+        key: float(a + b)
+        for key, a, b in zip(
+            _pair_keys(last),
+            last["bond_crack_a"].values,
+            last["bond_crack_b"].values,
+            strict=True,
+        )
+    }
+    now = np.array([crack.get(key, 1.0) for key in then])
+    parts = (now == 0, (now > 0) & (now < 1), now >= 1)
+    whole, cracked, broken = (first.isel(bond=np.flatnonzero(part)) for part in parts)
+    return whole, cracked, broken
+
+
+def _pair_keys(state: xr.Dataset) -> list[tuple[int, int]]:
+    lo, hi = state["bond_id_lo"].values.tolist(), state["bond_id_hi"].values.tolist()
+    return list(zip(lo, hi, strict=True))

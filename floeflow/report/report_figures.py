@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""All pictures of a report, in the order in which they stand.
+
+Maps go into the page as PNG, charts as SVG; both are written as PNG beside the report as well.
+Pairs of maps that are to be compared share their colour scale.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import timedelta
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from floeflow.diagnostics.collect import displacement
+from floeflow.diagnostics.run_cost import Stage
+from floeflow.report.figures.bonds import bond_map
+from floeflow.report.figures.budgets import budget_figure
+from floeflow.report.figures.cost import cost_figure
+from floeflow.report.figures.frame import Frame
+from floeflow.report.figures.gridmaps import FIELDS, field_values, grid_map
+from floeflow.report.figures.maps import Shapes, element_map, element_shapes, element_values
+from floeflow.report.figures.series import series_figures
+from floeflow.report.figures.style import (
+    CONCENTRATION,
+    DISTANCE,
+    SPEED,
+    THICKNESS,
+    Quantity,
+    as_svg,
+    common_limits,
+    write_png,
+)
+from floeflow.scene import Scene
+
+CAPTIONS = {
+    "thickness": "Ice thickness of the elements (mean over the ice in each)",
+    "concentration": "Ice concentration of the elements (share of each one's area under ice)",
+    "speed": "Drift speed of the elements; arrows are means over boxes",
+    "siconc": "Ice concentration on the grid (siconc)",
+    "sithick": "Ice thickness on the grid (sithick)",
+    "sivol": "Ice volume per area on the grid (sivol)",
+    "sisnthick": "Snow thickness on the ice, on the grid (sisnthick)",
+    "drift": "Drift speed on the grid (siu, siv)",
+}
+TITLES = {
+    "thickness": "Ice thickness",
+    "concentration": "Ice concentration",
+    "speed": "Drift speed",
+    "siconc": "Ice concentration",
+    "sithick": "Ice thickness",
+    "sivol": "Ice volume per area",
+    "sisnthick": "Snow thickness",
+    "drift": "Drift speed",
+}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure in the page."""
+
+    name: str
+    caption: str
+    uri: str
+    wide: bool = False
+
+
+@dataclass(frozen=True)
+class Easel:
+    """Where figures are written and how finely."""
+
+    folder: Path
+    dpi: int
+
+    def picture(self, name: str, caption: str, figure: Figure, wide: bool = False) -> Picture:
+        """A map: PNG in the folder and in the page."""
+        data = write_png(figure, self.folder / f"{name}.png", self.dpi)
+        return Picture(name, caption, _uri("image/png", data), wide)
+
+    def chart(self, name: str, caption: str, figure: Figure) -> Picture:
+        """A chart: PNG in the folder, SVG in the page."""
+        write_png(figure, self.folder / f"{name}.png", self.dpi)
+        return Picture(name, caption, _uri("image/svg+xml", as_svg(figure)))
+
+
+def _uri(kind: str, data: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(data).decode()}"
+
+
+def moments(scene: Scene, first: xr.Dataset, last: xr.Dataset) -> dict[str, str]:
+    """Start and end of the run as text, by 'start' and 'end'."""
+    texts = {}
+    for name, state in (("start", first), ("end", last)):
+        at = scene.time.start + timedelta(seconds=float(state.attrs["time"]))
+        texts[name] = f"{at:%Y-%m-%d %H:%M} UTC"
+    return texts
+
+
+def speed_scale(scene: Scene) -> Quantity:
+    """Drift speed with the scene's own top of the scale, if it sets one."""
+    top = scene.report.maximum_velocity
+    return replace(SPEED, high=top if top > 0 else None)
+
+
+def element_pictures(
+    easel: Easel, scene: Scene, frame: Frame, first: xr.Dataset, last: xr.Dataset, cells: xr.Dataset
+) -> Iterator[Picture]:
+    """Maps of the elements at start and end, their displacement, and their bonds."""
+    when = moments(scene, first, last)
+    states = {"start": first, "end": last}
+    shapes = {name: element_shapes(state, cells) for name, state in states.items()}
+    for quantity in (THICKNESS, CONCENTRATION, speed_scale(scene)):
+        fields = {name: element_values(s, quantity.name) for name, s in states.items()}
+        limits = common_limits(quantity, *fields.values())
+        for name, state in states.items():
+            moves = quantity.name == "speed"
+            if moves and name == "start" and not fields[name].any():
+                continue
+            arrows = (state["u"].values, state["v"].values, "m/s") if moves else None
+            title = f"{TITLES[quantity.name]}, {name}: {when[name]}"
+            figure = element_map(
+                frame, state, shapes[name], fields[name], quantity, limits, title, arrows
+            )
+            caption = f"{CAPTIONS[quantity.name]}, {name} of the run."
+            yield easel.picture(f"elements_{quantity.name}_{name}", caption, figure)
+    yield _displacement_picture(easel, frame, first, last, shapes["end"])
+    if "bonds" in scene.effects:
+        yield easel.picture(
+            "elements_bonds",
+            "Bonds of the start as they are at the end: glue lines that are whole, cracked from an "
+            "end, or gone, carried with the element of lower id. Gaps between cells are leads.",
+            bond_map(frame, first, last, shapes["end"], f"Bonds, {when['end']}"),
+            wide=True,
+        )
+
+
+def _displacement_picture(
+    easel: Easel, frame: Frame, first: xr.Dataset, last: xr.Dataset, shapes: Shapes
+) -> Picture:
+    moved, step = displacement(first, last)
+    place = np.searchsorted(last["id"].values, moved["id"].values)
+    along = np.zeros((last.sizes["element"], 2))
+    along[place] = step / 1e3
+    distance = np.hypot(along[:, 0], along[:, 1])
+    figure = element_map(
+        frame,
+        last,
+        shapes,
+        distance,
+        DISTANCE,
+        common_limits(DISTANCE, distance),
+        "Net displacement in the run",
+        (along[:, 0], along[:, 1], "km"),
+    )
+    caption = "Net displacement of the elements from the start to the end, drawn at their end."
+    return easel.picture("elements_displacement", caption, figure)
+
+
+def grid_pictures(
+    easel: Easel, scene: Scene, frame: Frame, first: xr.Dataset, last: xr.Dataset
+) -> Iterator[Picture]:
+    """Maps of the gridded fields at start and end."""
+    for name, base in FIELDS.items():
+        quantity = speed_scale(scene) if name == "drift" else base
+        fields = {"start": field_values(first, name), "end": field_values(last, name)}
+        known = [field for field in fields.values() if field is not None]
+        limits = common_limits(quantity, *known)
+        for when, grid in (("start", first), ("end", last)):
+            field = fields[when]
+            if field is None or (name == "drift" and when == "start" and not np.nansum(field)):
+                continue
+            figure = grid_map(frame, grid, name, limits, f"{TITLES[name]} on the grid, {when}")
+            if figure is not None:
+                caption = f"{CAPTIONS[name]}, {when} of the run."
+                yield easel.picture(f"grid_{name}_{when}", caption, figure)
+
+
+def series_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Picture]:
+    """Time series that the scene's effects bring."""
+    start = f"{scene.time.start:%Y-%m-%d %H:%M}"
+    for name, caption, figure in series_figures(data, start, scene.effects):
+        yield easel.chart(name, caption, figure)
+
+
+def budget_pictures(easel: Easel, budgets: Sequence[Mapping[str, Any]]) -> Iterator[Picture]:
+    """Budgets as bars; those with nothing but a residual stand in the table only."""
+    for budget in budgets:
+        if len(budget["terms"]) > 1:
+            caption = f"{budget['label']}: what changed it over all windows."
+            yield easel.chart(f"budget_{budget['name']}", caption, budget_figure(budget))
+
+
+def cost_pictures(easel: Easel, stages: Sequence[Stage]) -> Iterator[Picture]:
+    """Cost of the stages as bars."""
+    rows = [(f"  {s.name}" if s.inner else s.name, s.seconds, s.inner) for s in stages]
+    caption = "Wall time by stage; hatched: parts of the windows."
+    yield easel.chart("cost_stages", caption, cost_figure(rows))

@@ -1,0 +1,414 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Every key of a scene: unit, default, allowed values and a line of help.
+
+The models below are the single source. The loader validates with them; ``config/README.md``,
+``config/default.yaml`` and the JSON schema are generated from them (``floeflow.scene.docs``).
+"""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    StringConstraints,
+    WithJsonSchema,
+)
+
+from floeflow.scene.effects import EFFECTS
+
+PlainName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}$")]
+
+
+EffectNames = Annotated[
+    tuple[str, ...],
+    WithJsonSchema(
+        {"anyOf": [{"const": "auto"}, {"type": "array", "items": {"enum": list(EFFECTS)}}]}
+    ),
+]
+
+
+def key(default: Any, text: str, unit: str = "", **bounds: Any) -> Any:
+    """Declare a key: its default, one line of help, its unit, its bounds."""
+    extra: dict[str, Any] | None = {"unit": unit} if unit else None
+    return Field(default, description=text, json_schema_extra=extra, **bounds)
+
+
+class Block(BaseModel):
+    """A group of keys. Unknown keys and non-finite numbers are refused; values do not change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Domain(Block):
+    """Where the scene is: a rectangle in projected metres and its grid."""
+
+    crs: str = key("EPSG:6931", "Projected coordinate system in metres (pyproj name).")
+    x_min: float = key(-4.0e6, "Left edge of the scene.", "m")
+    x_max: float = key(4.0e6, "Right edge of the scene.", "m")
+    y_min: float = key(-4.0e6, "Lower edge of the scene.", "m")
+    y_max: float = key(4.0e6, "Upper edge of the scene.", "m")
+    spacing: float = key(1.0e5, "Cell size of the scene grid (forcing, gridded output).", "m", gt=0)
+
+
+class Mask(Block):
+    """Where there is ice, how much, and where there is land."""
+
+    file: str = key(
+        "data/oisst_arctic_1981-12-31.nc",
+        "NetCDF file with ice concentration, path from the project's folder.",
+    )
+    concentration: str = key(
+        "",
+        "Name of the concentration variable; empty: the one with standard_name "
+        "sea_ice_area_fraction.",
+    )
+    thickness: str = key("", "Name of the ice thickness variable (m); empty: see thickness_rule.")
+    water: str = key(
+        "",
+        "Name of a variable that is there on all water and missing on land (such as the sea "
+        "surface temperature): where it is there but concentration is missing, the water is open.",
+    )
+    fill_reach: float = key(
+        3.0e5,
+        "Missing concentration takes the nearest known one up to this far; beyond it there is "
+        "no ice.",
+        "m",
+        ge=0,
+    )
+    refine: int = key(4, "Mask cells per cell of the scene grid, each way.", ge=1, le=32)
+    minimum_concentration: float = key(
+        0.15, "Cells with less ice than this count as open water.", "1", ge=0, lt=1
+    )
+    land: Literal["global_land_mask", "mask", "none"] = key(
+        "global_land_mask",
+        "Land from the 1 km mask of global-land-mask, from missing values of the mask, or none.",
+    )
+    land_fraction: float = key(
+        0.5, "Mask cells with more land than this are land.", "1", gt=0, lt=1
+    )
+    thickness_rule: Literal["constant", "concentration"] = key(
+        "concentration",
+        "Thickness where the file has none: ice_thickness everywhere, or times concentration.",
+    )
+    ice_thickness: float = key(2.0, "Ice thickness at full concentration.", "m", gt=0, le=20)
+    snow_thickness: float = key(
+        0.2, "Snow on the ice at the start (read with thermodynamics).", "m", ge=0, le=5
+    )
+
+
+class Packing(Block):
+    """How the ice is cut into elements."""
+
+    elements: int = key(5000, "Number of elements to aim at.", ge=1, le=2_000_000)
+    relaxations: int = key(20, "Lloyd relaxations of the first points.", ge=0, le=1000)
+    bond_gap: float = key(
+        0.2,
+        "Neighbours bond where the gap of their discs is under this share of their radii's sum.",
+        "1",
+        ge=0,
+        le=1,
+    )
+    bond_concentration: float = key(
+        0.8, "Elements with less ice than this are floes apart: no bonds.", "1", ge=0, le=1
+    )
+    coast_bonds: bool = key(
+        False, "Fast ice: elements beside the coast are frozen to it, and refreeze to it."
+    )
+
+
+class Cyclone(Block):
+    """A travelling cyclone of Rankine form."""
+
+    wind_speed: float = key(15.0, "Largest wind of the cyclone.", "m/s", ge=0, le=80)
+    radius: float = key(6.0e5, "Distance of the largest wind from the centre.", "m", gt=0)
+    x: float = key(-1.5e6, "Place of the centre at the start.", "m")
+    y: float = key(-5.0e5, "Place of the centre at the start.", "m")
+    u: float = key(5.0, "Speed of the centre.", "m/s")
+    v: float = key(1.0, "Speed of the centre.", "m/s")
+    inflow_angle: float = key(20.0, "Turn of the wind towards the centre.", "degree", ge=0, le=90)
+
+
+class Gyre(Block):
+    """A steady gyre in the ocean."""
+
+    current_speed: float = key(0.08, "Largest current of the gyre.", "m/s", ge=0, le=3)
+    radius: float = key(6.0e5, "Distance of the largest current from the centre.", "m", gt=0)
+    x: float = key(-9.0e5, "Centre of the gyre.", "m")
+    y: float = key(1.0e6, "Centre of the gyre.", "m")
+    clockwise: bool = key(True, "Turns clockwise, as the Beaufort Gyre does.")
+
+
+class Weather(Block):
+    """Uniform weather for the column."""
+
+    air_temperature: float = key(248.15, "Air temperature.", "K", ge=180, le=330)
+    relative_humidity: float = key(0.9, "Relative humidity over ice.", "1", ge=0, le=1)
+    air_pressure: float = key(101000.0, "Air pressure.", "Pa", ge=80000, le=110000)
+    shortwave_down: float = key(0.0, "Short-wave radiation.", "W/m2", ge=0, le=1400)
+    longwave_down: float = key(170.0, "Long-wave radiation.", "W/m2", ge=0, le=600)
+    snowfall: float = key(2.0e-6, "Snowfall.", "kg/m2/s", ge=0, le=0.01)
+    ocean_heat_flux: float = key(2.0, "Heat from the ocean to the ice.", "W/m2", ge=0, le=1000)
+
+
+class Forcing(Block):
+    """Wind, current and weather: analytic, or from a file of the user."""
+
+    source: Literal["analytic", "file"] = key(
+        "analytic", "Written from cyclone, gyre and weather, or read from file."
+    )
+    file: str = key("", "CF NetCDF file with the forcing, path from the project's folder.")
+    accumulation: Literal["", "hour", "step", "day"] = key(
+        "",
+        "Interval of sums over time: the hour up to a record (ERA5), the step between records, or "
+        "the day so far (ERA5-Land); empty: hourly records, each of its hour.",
+    )
+    step: float = key(21600.0, "Time between analytic fields.", "s", gt=0)
+    cyclone: Cyclone = key(Cyclone(), "Wind of the analytic forcing.")
+    gyre: Gyre = key(Gyre(), "Current of the analytic forcing.")
+    weather: Weather = key(Weather(), "Weather of the analytic forcing.")
+
+
+class Time(Block):
+    """When, and in how many coupling windows."""
+
+    start: datetime = key(datetime(1981, 12, 31), "Start of the scene (UTC).")
+    windows: int = key(5, "Number of coupling windows.", ge=1, le=100_000)
+    window: float = key(86400.0, "Length of a coupling window.", "s", gt=0)
+
+
+class Dynamics(Block):
+    """The discrete element model."""
+
+    step_share: float = key(0.65, "Time step as a share of the critical one.", "1", gt=0, le=10)
+    allow_unstable_step: bool = key(
+        False, "Allow a step_share above 1, at which ice may blow up; the run warns."
+    )
+    young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", gt=0)
+    poisson_ratio: float = key(0.3, "Poisson's ratio of the ice.", "1", ge=0, lt=0.5)
+    contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", gt=0)
+    friction_coefficient: float = key(0.3, "Coulomb friction of ice on ice.", "1", ge=0, le=2)
+    contact_damping: float = key(
+        0.3, "Damping of unbonded contact, as a share of critical.", "1", ge=0, le=2
+    )
+    ridge_force: float = key(
+        26126.0, "Ridging force per contact length and ridge thickness, thin ice.", "N/m2", gt=0
+    )
+    ridge_hardening: float = key(
+        928.0, "Growth of that force with closing, per ridge thickness squared.", "N/m4", ge=0
+    )
+    ridge_thickness: float = key(
+        0.3, "Ridge thickness from which on ice is crushed (compressive_strength).", "m", gt=0
+    )
+    refreeze_time: float = key(
+        86400.0, "Elements in touch in freezing air for so long freeze together.", "s", gt=0
+    )
+    refreeze_temperature: float = key(
+        263.15, "Air colder than this freezes elements together.", "K", ge=200, le=271.35
+    )
+    refreeze_thickness: float = key(0.05, "Thickness of a new bond.", "m", gt=0, le=1)
+    bond_damping: float = key(0.1, "Damping of bonds, as a share of critical.", "1", ge=0, le=2)
+    strength: Literal["constant", "kovacs_sodhi"] = key(
+        "constant", "Compressive strength: constant, or 1285 kPa (h / 1 m)^(2/3)."
+    )
+    compressive_strength: float = key(1.0e5, "Compressive strength of a bond.", "Pa", gt=0)
+    tensile_share: float = key(
+        0.2, "Tensile strength as a share of the compressive.", "1", gt=0, le=1
+    )
+    friction_angle: float = key(
+        35.0, "Angle of internal friction (Mohr-Coulomb).", "degree", gt=0, lt=90
+    )
+    air_drag: float = key(1.2e-3, "Drag coefficient of the air.", "1", ge=0, le=0.1)
+    ocean_drag: float = key(5.5e-3, "Drag coefficient of the ocean.", "1", ge=0, le=0.1)
+    turning_angle: float = key(
+        25.0,
+        "Turning angle of the ocean drag, to the left of the current (read with turning_angle).",
+        "degree",
+        ge=-90,
+        le=90,
+    )
+    relative_wind: bool = key(False, "Wind stress from the wind relative to the ice.")
+    minimum_thickness: float = key(
+        1.0e-3, "Elements with less ice than this move as if they had this much.", "m", gt=0, le=0.1
+    )
+    deterministic: bool = key(
+        False,
+        "The same bits on any number of MPI ranks: forces add up without round-off, at some cost.",
+    )
+    exact_losses: bool = key(
+        False, "Losses of damping to second order in the step, for energy budgets, at some cost."
+    )
+    samples: int = key(24, "Samples of the time series in a window.", ge=1, le=10_000)
+
+
+Velocity = tuple[float, float]
+
+
+class Walls(Block):
+    """Walls that hold the ice in (read with the effect walls). They move from time 0 on."""
+
+    rim: tuple[Literal["left", "right", "bottom", "top"], ...] = key(
+        ("left", "right", "bottom", "top"), "Sides of the scene's rectangle that are walls."
+    )
+    left_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    right_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    bottom_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    top_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
+    planes: tuple[tuple[float, float, float, float, float, float], ...] = key(
+        (),
+        "Further endless walls, each as [x, y, normal_x, normal_y, u, v]: a point, the side of the "
+        "ice, a velocity.",
+        "m, 1, m/s",
+    )
+    mesh: str = key(
+        "",
+        "Triangle mesh (STL) that stands in the ice as a wall, path from the project's folder; its "
+        "z = 0 is the plane of the ice.",
+    )
+    mesh_velocity: Velocity = key((0.0, 0.0), "Velocity of the mesh in x and y.", "m/s")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each wall, in their order."""
+        planes = (f"plane_{number}" for number in range(1, len(self.planes) + 1))
+        return (*self.rim, *planes, *(("mesh",) if self.mesh else ()))
+
+
+class Column(Block):
+    """Thermodynamics of the elements' columns."""
+
+    scheme: Literal["zero_layer", "bl99", "mushy"] = key(
+        "zero_layer",
+        "Vertical thermodynamics: no heat stored, Bitz and Lipscomb 1999, or mush with salt.",
+    )
+    categories: int = key(1, "Thickness categories of each element.", ge=1, le=20)
+    light: Literal["ccsm3", "delta_eddington"] = key(
+        "ccsm3", "Light in snow and ice (bl99, mushy): of CCSM3, or of many directions."
+    )
+    layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
+    step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)
+    splitting: Literal["after", "around"] = key(
+        "after",
+        "Column after the dynamics of each window (first order in the window), or half before and "
+        "half after (Strang, second order).",
+    )
+    new_ice_thickness: float = key(
+        0.1, "Thickness at which new ice gathers in open water.", "m", gt=0, le=1
+    )
+    ocean_salinity: float = key(
+        34.0, "Salinity of the ocean (sets its freezing point).", "1e-3", ge=0, le=45
+    )
+    mixed_layer_depth: float = key(
+        20.0, "Depth of the sea that an element warms and cools.", "m", ge=1, le=500
+    )
+    initial_surface: float = key(
+        258.15, "Temperature of the ice's surface at the start (bl99, mushy).", "K", ge=200, le=273
+    )
+
+
+class Remap(Block):
+    """When distorted elements are replaced by fresh ones (effect remap)."""
+
+    every: int = key(0, "Remap at the end of every n-th window; 0: only by overlap.", ge=0)
+    order: Literal[1, 2] = key(
+        2, "Order of the transfer: 1 donor cells, 2 limited linear slopes in the elements."
+    )
+    overlap: float = key(
+        0.05, "Remap where elements overlap by more than this share of their area.", "1", ge=0
+    )
+
+
+class Merge(Block):
+    """When elements join their largest neighbour (effect merge)."""
+
+    radius: float = key(
+        0.5, "Elements of a radius under this share of the mean one are merged.", "1", gt=0, lt=1
+    )
+
+
+class State(Block):
+    """How the state is kept between windows."""
+
+    precision: Literal["double", "single"] = key(
+        "double",
+        "Precision of floating variables in state files; single: half the size, budgets close to "
+        "1e-7. Places, areas and the sea's temperature stay double.",
+    )
+
+
+class Grid(Block):
+    """How fields of the elements go to the scene grid (effect grid_output)."""
+
+    transfer: Literal["conservative", "mls", "shepard", "nearest"] = key(
+        "conservative",
+        "Moving least squares moved to the elements' totals; or, totals open: moving least "
+        "squares, Shepard's average, the nearest element.",
+    )
+
+
+class Report(Block):
+    """What the report shows."""
+
+    title: str = key("", "Title of the report; empty: the scene's name.")
+    text: str = key("", "A paragraph about the scene.")
+    dpi: int = key(110, "Resolution of the figures.", "1/inch", ge=50, le=400)
+    maximum_velocity: float = key(
+        0.0, "Top of the drift speed colour scale; 0: from the data.", "m/s", ge=0
+    )
+
+
+class Workflow(Block):
+    """How the run is cut into jobs; changes no result."""
+
+    windows_per_job: int = key(
+        0, "Windows in one launch; 0: as few as keep the workflow under 150 jobs deep.", ge=0
+    )
+
+
+class Scene(Block):
+    """A scene: where, when, which ice, which forcing, which effects, how accurate."""
+
+    name: PlainName = key(..., "Plain name of the scene, also its folder under results/.")
+    effects: EffectNames = key(
+        (
+            "wind",
+            "ocean_drag",
+            "coriolis",
+            "tilt",
+            "friction",
+            "bonds",
+            "coast",
+            "thermodynamics",
+            "snow",
+            "shortwave",
+            "lateral_melt",
+            "frazil",
+            "grid_output",
+        ),
+        "Effects to simulate; what is not named is absent. Or `auto`: see docs/effects.md.",
+    )
+    seed: int = key(1981, "Seed of everything random.", ge=0, lt=2**32)
+    domain: Domain = key(Domain(), "Where.")
+    mask: Mask = key(Mask(), "Which ice.")
+    packing: Packing = key(Packing(), "Which elements.")
+    forcing: Forcing = key(Forcing(), "Which forcing.")
+    time: Time = key(Time(), "When.")
+    dynamics: Dynamics = key(Dynamics(), "Which mechanics.")
+    walls: Walls = key(Walls(), "Which walls.")
+    column: Column = key(Column(), "Which thermodynamics.")
+    remap: Remap = key(Remap(), "When elements are remapped.")
+    merge: Merge = key(Merge(), "When elements are merged.")
+    state: State = key(State(), "How the state is kept.")
+    grid: Grid = key(Grid(), "How fields go to the grid.")
+    report: Report = key(Report(), "Which report.")
+    workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")
+    _auto: bool = PrivateAttr(default=False)
+
+    @property
+    def auto(self) -> bool:
+        """Whether the effects were chosen by ``effects: auto``."""
+        return self._auto

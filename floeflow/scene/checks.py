@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Checks across keys: combinations that no single key can refuse."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from floeflow.core.errors import FloeError
+
+if TYPE_CHECKING:
+    from floeflow.scene.blocks import Scene
+
+MAX_CELLS = 4_000_000
+
+
+def check_combinations(scene: Scene) -> None:
+    """Refuse impossible combinations of keys.
+
+    Raises
+    ------
+    FloeError
+        One sentence that names the keys.
+    """
+    _check_domain(scene)
+    _check_times(scene)
+    _check_step(scene)
+    if "walls" in scene.effects and not scene.walls.names:
+        raise FloeError("effects: 'walls' is named but walls.rim, planes and mesh name none")
+    if len(set(scene.walls.rim)) < len(scene.walls.rim):
+        raise FloeError("walls.rim names a side twice")
+    if scene.forcing.source == "file" and not scene.forcing.file:
+        raise FloeError("forcing.source is 'file' but forcing.file names none")
+    if scene.forcing.source == "analytic" and scene.forcing.file:
+        raise FloeError("forcing.file is given but forcing.source is 'analytic'")
+    angle = type(scene.dynamics).model_fields["turning_angle"].default
+    if scene.dynamics.turning_angle != angle and "turning_angle" not in scene.effects:
+        raise FloeError("dynamics.turning_angle is given but effects does not name turning_angle")
+    if scene.mask.land == "mask" and not scene.mask.file:
+        raise FloeError("mask.land is 'mask' but mask.file names none")
+    if "ponds" in scene.effects and scene.column.scheme == "zero_layer":
+        raise FloeError("effect 'ponds' needs column.scheme 'bl99' or 'mushy'")
+    if "redistribution" in scene.effects and scene.column.categories < 2:
+        raise FloeError("effect 'redistribution' needs column.categories of 2 or more")
+    if scene.packing.coast_bonds and not {"bonds", "coast"} <= set(scene.effects):
+        raise FloeError("packing.coast_bonds needs the effects 'bonds' and 'coast'")
+
+
+def _check_step(scene: Scene) -> None:
+    share = scene.dynamics.step_share
+    if share > 1 and not scene.dynamics.allow_unstable_step:
+        raise FloeError(
+            f"dynamics.step_share ({share:g}) is above 1: the ice may blow up at such a time step; "
+            "dynamics.allow_unstable_step: true allows it"
+        )
+
+
+def _check_domain(scene: Scene) -> None:
+    domain = scene.domain
+    for axis in ("x", "y"):
+        low, high = getattr(domain, f"{axis}_min"), getattr(domain, f"{axis}_max")
+        if low >= high:
+            raise FloeError(f"domain.{axis}_min ({low:g}) must lie below {axis}_max ({high:g})")
+        cells = (high - low) / domain.spacing
+        if abs(cells - round(cells)) > 1e-9 * cells or round(cells) < 2:
+            raise FloeError(
+                f"domain.spacing ({domain.spacing:g} m) must divide the scene's width in {axis} "
+                f"({high - low:g} m) into two cells or more"
+            )
+    size = (domain.x_max - domain.x_min) * (domain.y_max - domain.y_min)
+    cells = size / (domain.spacing / scene.mask.refine) ** 2
+    if cells > MAX_CELLS:
+        raise FloeError(
+            f"domain.spacing and mask.refine ask for {cells:.3g} mask cells; at most "
+            f"{MAX_CELLS:g} are allowed"
+        )
+
+
+def _check_times(scene: Scene) -> None:
+    if scene.time.start.tzinfo is not None:
+        raise FloeError("time.start: give UTC without a time zone")
+    window = scene.time.window
+    if scene.forcing.source == "analytic":
+        steps = window / scene.forcing.step
+        if not math.isclose(steps, round(steps), rel_tol=1e-12) or round(steps) < 1:
+            raise FloeError(
+                f"forcing.step ({scene.forcing.step:g} s) must divide time.window ({window:g} s)"
+            )

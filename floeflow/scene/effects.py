@@ -1,0 +1,419 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Registry of effects: the single source of what a scene may ask for and what that adds.
+
+A scene names its effects. What it does not name is absent: no rule in the workflow, no switch in
+the plugin, no variable in the state file, no figure in the report. Every stage asks this registry
+instead of keeping a list of its own.
+
+A new effect is one entry here, and one in
+``floeflow/analysis/estimate/dimensionless_numbers.py``: the dimensionless
+number that says when it matters. ``docs/effects.md`` is generated from both.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from floeflow.core.errors import FloeError
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical effect and what it adds at each stage.
+
+    Parameters
+    ----------
+    name : str
+        The name by which a scene asks for it.
+    physics : str
+        One line of physics.
+    source : str
+        Where the equation comes from.
+    needs : tuple of str
+        Effects without which it makes no sense.
+    plugin : tuple of str
+        Switches it sets in the LIGGGHTS plugin.
+    column : tuple of str
+        Processes it adds to the column.
+    forcing : tuple of str
+        Forcing variables it reads.
+    state : tuple of str
+        Variables it adds to the state.
+    with_state : tuple of (str, tuple of str)
+        Variables it adds to the state where another effect is named too.
+    output : tuple of str
+        Variables it adds to the gridded output.
+    diagnostics : tuple of str
+        Series it adds to the diagnostics.
+    rules : tuple of str
+        Rules it adds to the workflow.
+    figures : tuple of str
+        How the names of the figures begin that it adds to the report.
+    excludes : tuple of str
+        Effects beside which it makes no sense.
+    """
+
+    name: str
+    physics: str
+    source: str
+    needs: tuple[str, ...] = ()
+    plugin: tuple[str, ...] = ()
+    column: tuple[str, ...] = ()
+    forcing: tuple[str, ...] = ()
+    state: tuple[str, ...] = ()
+    with_state: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    output: tuple[str, ...] = ()
+    diagnostics: tuple[str, ...] = ()
+    rules: tuple[str, ...] = ()
+    figures: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
+
+
+_BOND_STATE = (
+    "bond_id_lo",
+    "bond_id_hi",
+    "bond_length",
+    "bond_span",
+    "bond_thickness",
+    "bond_crack_a",
+    "bond_crack_b",
+    "bond_lo_ax",
+    "bond_lo_ay",
+    "bond_lo_bx",
+    "bond_lo_by",
+    "bond_hi_ax",
+    "bond_hi_ay",
+    "bond_hi_bx",
+    "bond_hi_by",
+)
+
+_RIDGE_STATE = ("contact_ridge_closing", "contact_ridge_thickness", "contact_ridge_length")
+
+_WALL_STATE = (
+    *(f"wall_face_{name}" for name in ("wall", "plane", "before", "after")),
+    *(f"wall_face_{name}" for name in ("ax", "ay", "bx", "by", "u", "v")),
+    *("wall_contact_id", "wall_contact_face", "wall_contact_slip", "wall_contact_rest_overlap"),
+)
+
+LEVEL_STATE = (
+    "level_area",
+    "level_volume",
+    "pond_area",
+    "pond_depth",
+    "pond_lid",
+    "lid_snow",
+    "lid_share",
+)
+
+_REGISTERED = (
+    Effect(
+        name="wind",
+        physics="Quadratic wind stress on the ice-covered part of each element.",
+        source="Hibler 1979; Turner et al. 2022",
+        plugin=("wind",),
+        forcing=("wind_u", "wind_v"),
+        diagnostics=("impulse_wind",),
+    ),
+    Effect(
+        name="ocean_drag",
+        physics="Quadratic drag against the current, fully implicit, and drag on the spin.",
+        source="Hibler 1979; Turner et al. 2022",
+        plugin=("ocean_drag",),
+        forcing=("ocean_u", "ocean_v"),
+        diagnostics=("impulse_ocean",),
+    ),
+    Effect(
+        name="turning_angle",
+        physics="Ocean drag turned by the angle of the boundary layer below the ice.",
+        source="McPhee 1975; Hibler 1979",
+        needs=("ocean_drag",),
+        plugin=("turning_angle",),
+    ),
+    Effect(
+        name="coriolis",
+        physics="Coriolis acceleration -f k x u, a rotation that keeps the speed.",
+        source="Cayley form of the rotation",
+        plugin=("coriolis",),
+        forcing=("coriolis",),
+        diagnostics=("impulse_coriolis",),
+    ),
+    Effect(
+        name="tilt",
+        physics="Slope of the sea surface from the geostrophic current, m f k x u_w.",
+        source="Hibler 1979",
+        plugin=("tilt",),
+        forcing=("ocean_u", "ocean_v", "coriolis"),
+        diagnostics=("impulse_tilt",),
+    ),
+    Effect(
+        name="friction",
+        physics="Coulomb friction with history where unbonded elements touch.",
+        source="Cundall & Strack 1979",
+        plugin=("friction",),
+    ),
+    Effect(
+        name="bonds",
+        physics="Glue lines between neighbours that crack from their ends (Mohr-Coulomb).",
+        source="Hopkins, Frankenstein & Thorndike 2004",
+        plugin=("bonds",),
+        state=_BOND_STATE,
+        diagnostics=("intact_bonds",),
+        rules=("bonds",),
+        figures=("elements_bonds", "series_bonds"),
+    ),
+    Effect(
+        name="coast",
+        physics="Fixed elements along the land, which push back and rub.",
+        source="Turner et al. 2022",
+        diagnostics=("impulse_coast",),
+    ),
+    Effect(
+        name="ridging",
+        physics="Plastic contacts: pressed elements lose area to ridges and keep their ice volume.",
+        source="Hopkins 1994, 1996; Turner et al. 2022",
+        plugin=("ridging",),
+        state=_RIDGE_STATE,
+        diagnostics=("ridged_area",),
+    ),
+    Effect(
+        name="refreeze",
+        physics="Elements in touch in cold air freeze together; bonds grow thicker from thin.",
+        source="Stefan's law; Hopkins & Thorndike 2006",
+        needs=("bonds", "thermodynamics"),
+        forcing=("air_temperature",),
+        state=("contact_touch_time",),
+        diagnostics=("bonds_refrozen",),
+    ),
+    Effect(
+        name="walls",
+        physics="Rigid walls, also moving ones: sides of the scene, planes, triangle meshes.",
+        source="The contact laws against a rigid partner",
+        state=_WALL_STATE,
+        with_state=(("ridging", tuple(f"wall_{name}" for name in _RIDGE_STATE)),),
+        diagnostics=("impulse_wall",),
+        figures=("series_walls",),
+    ),
+    Effect(
+        name="thermodynamics",
+        physics="Ice conducts heat, grows at its bottom and melts at both sides, between windows.",
+        source="Semtner 1976; Bitz & Lipscomb 1999; Turner, Hunke & Bitz 2013",
+        column=("vertical",),
+        forcing=(
+            "wind_u",
+            "wind_v",
+            "air_temperature",
+            "specific_humidity",
+            "air_pressure",
+            "longwave_down",
+            "ocean_heat_flux",
+        ),
+        state=("surface_temperature", "ice_enthalpy", "ice_salinity"),
+        diagnostics=("ice_growth",),
+        figures=("budget_column",),
+    ),
+    Effect(
+        name="snow",
+        physics="Snow falls on the ice, insulates, brightens, melts, and floods.",
+        source="Maykut & Untersteiner 1971; Hunke et al. 2015",
+        needs=("thermodynamics",),
+        column=("snow",),
+        forcing=("snowfall",),
+        state=("snow_volume", "snow_enthalpy"),
+        output=("sisnthick",),
+        diagnostics=("snow_volume",),
+        figures=("series_snow", "budget_snow_volume"),
+    ),
+    Effect(
+        name="shortwave",
+        physics="The sun warms ice, snow and leads, with albedo and, in layers, light inside.",
+        source="Briegleb et al. 2004 (CCSM3)",
+        needs=("thermodynamics",),
+        column=("shortwave",),
+        forcing=("shortwave_down",),
+    ),
+    Effect(
+        name="ponds",
+        physics="Melt water gathers in ponds on level ice, drains, flushes salt, and freezes over.",
+        source="Hunke, Hebert & Lecomte 2013",
+        needs=("thermodynamics", "shortwave"),
+        column=("ponds",),
+        state=LEVEL_STATE,
+        diagnostics=("pond_water",),
+        figures=("budget_column_pond",),
+    ),
+    Effect(
+        name="lateral_melt",
+        physics="Warm water melts the sides of floes: area goes, thickness stays.",
+        source="Maykut & Perovich 1987; Steele 1992",
+        needs=("thermodynamics",),
+        column=("lateral_melt",),
+    ),
+    Effect(
+        name="frazil",
+        physics="Open water that loses heat at its freezing point makes new ice.",
+        source="Hibler 1979; Hunke et al. 2015",
+        needs=("thermodynamics",),
+        column=("frazil",),
+    ),
+    Effect(
+        name="mixed_layer",
+        physics="A slab of sea under each element stores heat: water cools before it freezes.",
+        source="Hunke et al. 2015; Maykut & McPhee 1995",
+        needs=("thermodynamics",),
+        column=("mixed_layer",),
+        state=("sea_temperature", "pending_freeze"),
+    ),
+    Effect(
+        name="redistribution",
+        physics="Ridging takes thin ice first and piles it up in thick categories.",
+        source="Thorndike et al. 1975; Hibler 1980; Lipscomb et al. 2007",
+        needs=("ridging", "thermodynamics"),
+        column=("redistribution",),
+    ),
+    Effect(
+        name="grid_output",
+        physics="Fields of the ice on the scene's grid at each window boundary, as CF NetCDF.",
+        source="shares of area, balanced: Sinkhorn & Knopp 1967",
+        rules=("grid",),
+        figures=("grid_",),
+    ),
+    Effect(
+        name="trajectory_output",
+        physics="Paths of the elements at the window boundaries, for OVITO and MDAnalysis.",
+        source="LAMMPS dump format",
+        rules=("trajectory_files",),
+    ),
+    Effect(
+        name="remap",
+        physics="Distorted elements are replaced by fresh ones that hold the same, conservatively.",
+        source="Turner et al. 2022, GMD 15, 1953; Zalesak 1979; Levine & Peres 2009",
+        excludes=("merge", "walls"),
+        state=("cell_corners", "corner_x", "corner_y", "drift_x", "drift_y"),
+        diagnostics=("remap_done", "remap_overlap"),
+        rules=("cells",),
+    ),
+    Effect(
+        name="merge",
+        physics="Elements that became too small join their largest neighbour.",
+        source="Turner et al. 2018 (DEMSI)",
+        excludes=("remap",),
+        diagnostics=("merge_elements",),
+    ),
+)
+
+EFFECTS: dict[str, Effect] = {effect.name: effect for effect in _REGISTERED}
+
+# Variables that only some column schemes have; the others of an effect come with every scheme.
+SCHEME_STATE: dict[str, tuple[str, ...]] = {
+    "ice_enthalpy": ("bl99", "mushy"),
+    "snow_enthalpy": ("bl99", "mushy"),
+    "ice_salinity": ("mushy",),
+    **dict.fromkeys(LEVEL_STATE, ("bl99", "mushy")),
+}
+
+
+def check_effects(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the named effects in the registry's order.
+
+    Raises
+    ------
+    FloeError
+        For a name that is unknown (with the nearest valid one), named twice, or whose needs
+        are not named.
+    """
+    names = list(names)
+    for name in names:
+        if name not in EFFECTS:
+            near = get_close_matches(name, EFFECTS, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else "known are " + ", ".join(EFFECTS)
+            raise FloeError(f"effects: '{name}' is no effect; {hint}")
+        if names.count(name) > 1:
+            raise FloeError(f"effects: '{name}' is named twice")
+        for other in EFFECTS[name].excludes:
+            if other in names:
+                raise FloeError(f"effects: '{name}' and '{other}' exclude each other")
+        for need in EFFECTS[name].needs:
+            if need not in names:
+                raise FloeError(f"effects: '{name}' needs '{need}', which the scene does not name")
+    return tuple(name for name in EFFECTS if name in names)
+
+
+def compatible(names: Iterable[str], first: str = "") -> tuple[str, ...]:
+    """Those effects, in the registry's order, that none before them excludes; ``first`` stays."""
+    names, kept = set(names), [first] if first else list[str]()
+    for name in EFFECTS:
+        clash = (other for other in kept if name in EFFECTS[other].excludes)
+        if name in names and not set(EFFECTS[name].excludes) & set(kept) and not any(clash):
+            kept.append(name)
+    return tuple(name for name in EFFECTS if name in kept)
+
+
+def _collect(field: str, names: Iterable[str]) -> tuple[str, ...]:
+    found = (item for name in names for item in getattr(EFFECTS[name], field))
+    return tuple(dict.fromkeys(found))
+
+
+def plugin_switches(names: Iterable[str]) -> tuple[str, ...]:
+    """Switches of the LIGGGHTS plugin that these effects set."""
+    return _collect("plugin", names)
+
+
+def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
+    """Forcing variables that these effects read."""
+    return _collect("forcing", names)
+
+
+def state_variables(names: Iterable[str], scheme: str = "zero_layer") -> tuple[str, ...]:
+    """Variables that these effects add to the state under a column scheme."""
+    names = tuple(names)
+    both = (
+        variable
+        for name in names
+        for other, variables in EFFECTS[name].with_state
+        if other in names
+        for variable in variables
+    )
+    found = dict.fromkeys((*_collect("state", names), *both))
+    return tuple(name for name in found if scheme in SCHEME_STATE.get(name, (scheme,)))
+
+
+def output_variables(names: Iterable[str]) -> tuple[str, ...]:
+    """Variables that these effects add to the gridded output."""
+    return _collect("output", names)
+
+
+def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
+    """Series that these effects add to the diagnostics."""
+    return _collect("diagnostics", names)
+
+
+# Every column has these; its effects add the others.
+_COLUMN_STATE = ("ice_fraction", "ice_volume")
+
+
+def _column_effects(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(name for name in names if EFFECTS[name].column)
+
+
+def column_processes(names: Iterable[str]) -> tuple[str, ...]:
+    """Processes that these effects add to the column."""
+    return _collect("column", names)
+
+
+def column_variables(names: Iterable[str], scheme: str) -> tuple[str, ...]:
+    """Variables of the state that a column reads and writes under these effects."""
+    return _COLUMN_STATE + state_variables(_column_effects(names), scheme)
+
+
+def column_forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
+    """Forcing variables that the columns read under these effects."""
+    return forcing_variables(_column_effects(names))
+
+
+if __name__ == "__main__":
+    from floeflow.analysis.estimate.command import main
+
+    sys.exit(main())

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which keys each stage reads, and their hash.
+
+A rule's parameters hold the hash of its stage's keys, so that a changed plot key reruns no window,
+and the state carries the hashes with which it was made.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+from floeflow.scene.blocks import Scene
+from floeflow.scene.effects import forcing_variables
+
+# A path names a key or a whole block, or asks with ``effects.<name>`` for one effect.
+# ``time.windows`` is read by no stage but the estimate, which is one of the whole run: more windows
+# are more jobs, never other ones.
+FORCING_VARIABLES = "effects: forcing variables"
+STAGE_KEYS: dict[str, tuple[str, ...]] = {
+    "land": ("domain", "mask.refine", "mask.land"),
+    "mask": ("domain", "mask", "time.start"),
+    "packing": ("seed", "packing", "effects.coast"),
+    "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
+    "forcing": ("domain", "forcing", "time.start", "time.window", FORCING_VARIABLES),
+    "initial": (
+        "time.start",
+        "effects",
+        "column.ocean_salinity",
+        "column.scheme",
+        "column.categories",
+        "column.layers",
+        "column.initial_surface",
+        "walls",
+        "state",
+    ),
+    "dynamics": ("effects", "dynamics", "time.window", "packing.coast_bonds", "state"),
+    "cells": ("seed",),
+    "cure": ("remap", "merge", "packing.bond_gap"),
+    "column": ("effects", "column", "time.window"),
+    "grid": ("domain", "effects", "time.start", "time.window", "grid"),
+    "diagnostics": ("effects",),
+    "trajectory": ("domain.x_min", "domain.x_max", "domain.y_min", "domain.y_max"),
+    "estimate": ("effects", "domain", "mask", "packing", "forcing", "time", "dynamics", "column"),
+    # All that a mesh shows stands in packing and states.
+    "mesh": (),
+    "report": ("report", "name", "effects", "domain", "time.start", "time.window"),
+}
+
+
+def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
+    """Values of the keys that a stage reads, by path, in plain JSON types."""
+    data = scene.model_dump(mode="json")
+    if "thermodynamics" not in scene.effects:
+        data.pop("column")
+    values: dict[str, Any] = {}
+    for path in STAGE_KEYS[stage]:
+        if path == FORCING_VARIABLES:
+            values[path] = list(forcing_variables(scene.effects))
+            continue
+        if path.startswith("effects."):
+            values[path] = path.removeprefix("effects.") in scene.effects
+            continue
+        value: Any = data
+        for part in path.split("."):
+            value = value.get(part) if isinstance(value, dict) else None
+        values[path] = value
+    return values
+
+
+def stage_hash(scene: Scene, stage: str) -> str:
+    """Hash (16 hexadecimal digits) of the keys that a stage reads."""
+    text = json.dumps(stage_values(scene, stage), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

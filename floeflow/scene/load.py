@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Read a scene: safe YAML, no key twice, validated, each fault one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from floeflow.core.errors import FloeError
+from floeflow.scene.blocks import Scene
+from floeflow.scene.checks import check_combinations
+from floeflow.scene.effects import check_effects
+
+MAX_BYTES = 1_000_000
+
+
+class _SceneLoader(yaml.SafeLoader):
+    """Safe YAML that refuses a key given twice and all anchors' merge keys."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[str] = set()
+        for key_node, _ in node.value:
+            name = str(key_node.value)
+            if name in seen:
+                line = key_node.start_mark.line + 1
+                raise FloeError(f"key '{name}' is given twice (line {line})")
+            seen.add(name)
+        return super().construct_mapping(node, deep)
+
+
+def load_scene(path: str | Path) -> Scene:
+    """Read and validate a scene file.
+
+    Parameters
+    ----------
+    path : str or Path
+        YAML file of the scene.
+
+    Returns
+    -------
+    Scene
+        Frozen model with every key filled in; the effects are in the registry's order.
+
+    Raises
+    ------
+    FloeError
+        One sentence that names the file and the key.
+    """
+    path = Path(path)
+    raw = _read(path)
+    try:
+        return parse_scene(raw, default_name=path.stem)
+    except FloeError as error:
+        raise FloeError(f"{path}: {error}") from None
+
+
+def _read(path: Path) -> bytes:
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise FloeError(f"{path}: the scene cannot be read: {reason}") from None
+    if len(raw) > MAX_BYTES:
+        raise FloeError(f"{path}: a scene of over {MAX_BYTES} bytes is no scene")
+    return raw
+
+
+def read_keys(path: str | Path) -> dict[str, Any]:
+    """Read the keys that a scene file sets, before any default or check of their values.
+
+    Raises
+    ------
+    FloeError
+        Where the file cannot be read or is no mapping; see `load_scene`.
+    """
+    return _keys_of(_read(Path(path)))
+
+
+def parse_scene(raw: bytes, default_name: str) -> Scene:
+    """Validate the bytes of a scene file; see `load_scene`."""
+    data = _keys_of(raw)
+    data.setdefault("name", default_name)
+    return build_scene(data)
+
+
+def _keys_of(raw: bytes) -> dict[str, Any]:
+    try:
+        text = raw.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise FloeError(f"byte {error.start + 1} is not UTF-8 text") from None
+    try:
+        # The loader derives from SafeLoader: no tag can construct a Python object.
+        data = yaml.load(text, Loader=_SceneLoader)  # noqa: S506
+    except yaml.YAMLError as error:
+        raise FloeError(_yaml_sentence(error)) from None
+    except RecursionError:
+        raise FloeError("the YAML is nested too deeply") from None
+    if data is None:
+        data = {}
+    if not isinstance(data, dict):
+        raise FloeError("a scene is a mapping of keys to values")
+    return data
+
+
+def build_scene(keys: Mapping[str, Any]) -> Scene:
+    """Validate keys that were read from a scene file or derived from one.
+
+    Raises
+    ------
+    FloeError
+        One sentence that names the key.
+    """
+    data = dict(keys)
+    auto = data.get("effects") == "auto"
+    if auto:
+        del data["effects"]
+    try:
+        scene = Scene.model_validate(data)
+    except ValidationError as error:
+        raise FloeError(_validation_sentence(error)) from None
+    if auto:
+        # Reads mask and forcing: only where it is asked for.
+        from floeflow.analysis.estimate.choose import choose
+
+        scene = scene.model_copy(update={"effects": choose(scene)})
+        scene._auto = True
+    scene = scene.model_copy(update={"effects": check_effects(scene.effects)})
+    check_combinations(scene)
+    return scene
+
+
+def _yaml_sentence(error: yaml.YAMLError) -> str:
+    mark = getattr(error, "problem_mark", None)
+    where = f"line {mark.line + 1}: " if mark is not None else ""
+    problem = getattr(error, "problem", None) or "this is not YAML"
+    return f"{where}{problem}"
+
+
+def _validation_sentence(error: ValidationError) -> str:
+    faults = error.errors(include_url=False)
+    # An unknown key comes first: it is the likely cause of other faults.
+    faults.sort(key=lambda fault: fault["type"] != "extra_forbidden")
+    more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+    return _fault_sentence(faults[0]) + more
+
+
+def _fault_sentence(fault: ErrorDetails) -> str:
+    location = [str(part) for part in fault["loc"]]
+    place = ".".join(location)
+    if fault["type"] == "extra_forbidden":
+        known = _known_keys(location[:-1])
+        near = get_close_matches(location[-1], known, n=1, cutoff=0.5)
+        hint = f"did you mean '{near[0]}'?" if near else "known are " + ", ".join(known)
+        return f"'{place}' is no key of a scene; {hint}"
+    if fault["loc"] == ("name",):
+        return (
+            f"name: {fault['input']!r} is no plain name (lower-case letters, digits, '_' and '-', "
+            "at most 64, no path)"
+        )
+    message = fault["msg"][0].lower() + fault["msg"][1:]
+    value = fault["input"]
+    got = "" if isinstance(value, dict | list) else f" (got {value!r:.60})"
+    return f"{place}: {message}{got}"
+
+
+def _known_keys(location: list[str]) -> list[str]:
+    model: type[BaseModel] = Scene
+    for part in location:
+        annotation = model.model_fields[part].annotation
+        assert isinstance(annotation, type) and issubclass(annotation, BaseModel)
+        model = annotation
+    return list(model.model_fields)

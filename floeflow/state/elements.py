@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""From the state to the arrays of the discrete element model, and back.
+
+The model knows discs with a mass, a thickness and an ice-covered area; the state knows columns.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
+from floeflow.state.schema import COAST, VARIABLES
+
+Arrays = dict[str, np.ndarray]
+
+# What the model moves; everything else of an element is the column's.
+MOVED = ("x", "y", "theta", "u", "v", "omega")
+
+
+def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
+    """Arrays of the discs that stand for a state's elements.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        The state.
+    minimum_thickness : float
+        Elements with less ice than this (m over their whole area) get the mass and thickness of
+        this much, and the drag of the part that is made up, so that ice that melts out keeps a
+        mass and goes with wind and water.
+
+    Returns
+    -------
+    dict of ndarray, shape (n,)
+        id, type, x, y, theta, u, v, omega, radius, mass (kg), thickness (m, `bearing_thickness`),
+        ice_area (m2, on which wind and water act).
+    """
+    arrays = {name: state[name].values.copy() for name in ("id", "type", *MOVED, "radius")}
+    area = state["area"].values
+    fraction = state["ice_fraction"].values.sum(axis=1)
+    volume = state["ice_volume"].values.sum(axis=1)
+    load = ICE_DENSITY * np.maximum(volume, minimum_thickness)
+    if "snow_volume" in state:
+        load = load + SNOW_DENSITY * state["snow_volume"].values.sum(axis=1)
+    arrays["mass"] = area * load
+    arrays["thickness"] = np.maximum(joint_thickness(state), minimum_thickness)
+    made_up = np.maximum(1.0 - volume / minimum_thickness, 0.0)
+    arrays["ice_area"] = area * np.maximum(fraction, made_up)
+    # Coast stands for no ocean, but a contact needs a mass on both sides.
+    coast = arrays["type"] == COAST
+    disc = np.pi * arrays["radius"][coast] ** 2
+    arrays["mass"][coast] = ICE_DENSITY * arrays["thickness"][coast] * disc
+    arrays["ice_area"][coast] = 0.0
+    return arrays
+
+
+def bearing_thickness(state: xr.Dataset) -> np.ndarray:
+    """Thickness that bears load, m, shape (n,): ice volume per effective area.
+
+    Ice that covers a share of its element bears over that share of a bond or contact. Mass and
+    stiffness then shrink together, so thin or open ice asks for no shorter step.
+    """
+    return np.asarray(state["ice_volume"].values.sum(axis=1))
+
+
+def joint_thickness(state: xr.Dataset) -> np.ndarray:
+    """Thickness with which an element takes part in bonds and contacts, m, shape (n,).
+
+    That which bears load; the coast is as thick as the thickest ice, so that the ice's own
+    thickness sets what joins them.
+    """
+    thickness = bearing_thickness(state)
+    coast = state["type"].values == COAST
+    thickness[coast] = thickness[~coast].max(initial=0.0)
+    return thickness
+
+
+def pair_arrays(state: xr.Dataset, kind: str) -> Arrays:
+    """Table of a state (bond, contact, wall_face, wall_contact), names without that prefix."""
+    names = [name for name in VARIABLES if name.startswith(f"{kind}_") and name in state]
+    return {name.removeprefix(f"{kind}_"): state[name].values.copy() for name in names}
+
+
+def moved_state(
+    state: xr.Dataset,
+    elements: Arrays,
+    bonds: Arrays | None,
+    contacts: Arrays,
+    wall_contacts: Arrays | None = None,
+) -> xr.Dataset:
+    """State with the motion, bonds and contacts that the model left.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        State before the motion.
+    elements, bonds, contacts, wall_contacts : dict of ndarray
+        What the model holds now; sorted by id, by (id_lo, id_hi) and by (id, face).
+    """
+    kinds = {"bond": bonds, "contact": contacts, "wall_contact": wall_contacts}
+    pairs = tuple(f"{kind}_" for kind in kinds)
+    keep = [name for name in state.variables if not str(name).startswith(pairs)]
+    moved = state[keep].copy()
+    for name in MOVED:
+        moved[name] = ("element", elements[name])
+    for kind, table in kinds.items():
+        for name, values in (table or {}).items():
+            full = f"{kind}_{name}"
+            moved[full] = (kind, values.astype(VARIABLES[full].dtype, copy=False))
+    return moved
+
+
+def thin_bonds(state: xr.Dataset) -> xr.Dataset:
+    """Let bonds be no thicker than the ice beside them: melt weakens, growth does not heal.
+
+    The series thickness of a pair is that of the thinner element. Where its ice has melted out
+    nothing is left of a bond.
+    """
+    if "bond_thickness" not in state:
+        return state
+    thickness = joint_thickness(state)
+    ids = state["id"].values
+    lo = thickness[np.searchsorted(ids, state["bond_id_lo"].values)]
+    hi = thickness[np.searchsorted(ids, state["bond_id_hi"].values)]
+    now = np.minimum(state["bond_thickness"].values, np.minimum(lo, hi))
+    return state.assign(bond_thickness=("bond", now)).isel(bond=np.flatnonzero(now > 0))
