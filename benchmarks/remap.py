@@ -26,10 +26,10 @@ from floeflow.transfer import (
     build_remapper,
     build_sampler,
     build_weights,
+    carry,
     nearest_bounded,
     open_room,
 )
-from floeflow.transfer import carry
 from floeflow.transfer.stencil import Array
 
 PER_CELL = 4

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The MPI program of a job: windows of dynamics and column, one after the other.
 
-``mpirun -n N python -m floeflow.coupling.coupled_windows`` reads a ``Job`` from its standard input and
-reports on standard output, a line of JSON an event: progress, or the sentence of a fault. The
-states go to the scene's work folder; publishing them is left to the rule (``window.py``).
+``mpirun -n N python -m floeflow.coupling.coupled_windows`` reads a ``Job`` from its standard
+input and reports on standard output, a line of JSON an event: progress, or the sentence of a
+fault. The states go to the scene's work folder; publishing them is left to the rule.
 """
 
 from __future__ import annotations

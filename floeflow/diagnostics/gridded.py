@@ -23,8 +23,7 @@ from floeflow.diagnostics.cf_output import describe, write_grid
 from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state
 from floeflow.state.schema import MOBILE
-from floeflow.transfer import ROOM, Field, Grid, Room, build_remapper, build_room, near_cells
-from floeflow.transfer import carry
+from floeflow.transfer import ROOM, Field, Grid, Room, build_remapper, build_room, carry, near_cells
 from floeflow.transfer.stencil import Array
 from floeflow.transfer.weights import CONDITION_LIMIT
 from floeflow.workflow import job as stage

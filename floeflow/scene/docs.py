@@ -134,7 +134,8 @@ time it would cost, and recommends. `effects: auto` in a scene takes the recomme
 writes the estimates to `results/<scene>/effects.json` and into its report.
 [How the estimates are made](estimates.md).
 
-This page is generated from `floeflow/scene/effects.py` and `floeflow/analysis/estimate/dimensionless_numbers.py` by
+This page is generated from `floeflow/scene/effects.py` and
+`floeflow/analysis/estimate/dimensionless_numbers.py` by
 `python -m floeflow.scene --write`.
 
 | effect | what it is | needs | when it matters: number near 1 or above |

@@ -25,8 +25,8 @@ with atheris.instrument_imports(include=["floeflow.state", "floeflow.scene.effec
     from floeflow.state import check_state, read_state, write_state
     from floeflow.state.file_checksum import seal
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
-from test_state import a_state  # noqa: E402
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from unit.state.test_state import a_state  # noqa: E402
 
 EFFECTS = (
     ("wind",),

@@ -20,12 +20,12 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from test_state import a_state
 
 from floeflow.core.errors import FloeError
 from floeflow.scene import load_scene
 from floeflow.state import SCHEMA_VERSION, read_state, write_state
 from floeflow.state.file_checksum import seal
+from unit.state.test_state import a_state
 
 PAGE = 4096
 
@@ -101,10 +101,12 @@ def test_a_guided_fuzzer_breaks_no_reader(target: str, runs: int, tmp_path: Path
 
 
 _SMALL_DISK = """
-import resource, signal, sys
+import resource
+import signal
+import sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
-from test_state import a_state
+from unit.state.test_state import a_state
 from floeflow.core.errors import FloeError
 from floeflow.state import write_state
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -122,8 +124,8 @@ def test_a_disk_that_fills_up_leaves_the_older_state(tmp_path: Path, room: int):
     path = tmp_path / "s.nc"
     write_state(a_state(), path)
     before = path.read_bytes()
-    unit = Path(__file__).parents[1] / "unit"
-    done = run_python(_SMALL_DISK, unit, path, room)
+    tests = Path(__file__).parents[1]
+    done = run_python(_SMALL_DISK, tests, path, room)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(f"refused: {path}: cannot be written"), done.stdout
     assert path.read_bytes() == before
@@ -135,13 +137,13 @@ def test_read_only_results_are_named(tmp_path: Path):
     write_state(a_state(), path)
     before = path.read_bytes()
     path.parent.chmod(0o555)
-    unit = Path(__file__).parents[1] / "unit"
+    tests = Path(__file__).parents[1]
     # Root may write everywhere, unless it gives that right up.
     humble = ["setpriv", "--bounding-set=-dac_override"] if os.geteuid() == 0 else []
     if humble and shutil.which(humble[0]) is None:
         pytest.skip("root may write everywhere, and setpriv (util-linux) is not there")
     try:
-        done = run_python(_SMALL_DISK, unit, path, 10**9, before=humble)
+        done = run_python(_SMALL_DISK, tests, path, 10**9, before=humble)
     finally:
         path.parent.chmod(0o755)
     assert done.stdout.startswith(f"refused: {path}: cannot be written: Permission"), done.stderr

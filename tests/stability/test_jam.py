@@ -16,12 +16,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from packs import neighbours
-from rafts import lattice, uniform
-from watch import Watched, default_step, watch
 
 from floeflow.dynamics.engine.engine import EngineParams
 from floeflow.state.bonds import Arrays
+from support.rafts import lattice, uniform
+from support.stability.packs import neighbours
+from support.stability.watch import Watched, default_step, watch
 
 WIND = 20.0
 HOUR, DAY = 3600.0, 86400.0

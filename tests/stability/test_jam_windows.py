@@ -13,10 +13,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import jam
 import numpy as np
 import pytest
-from jam import Pressed, Setting
+
+from support.stability import jam
+from support.stability.jam import Pressed, Setting
 
 # Light ice that is hit by heavy ice leaves with at most twice its speed.
 HIT = 2.0

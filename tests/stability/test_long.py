@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 import xarray as xr
 from mpi4py import MPI
-from packs import neighbours
-from rafts import lattice, uniform
-from remesh_cases import coast_case, jiggled, remapped, spacing_of, totals
-from test_preprocess_packing import coastline
-from watch import default_step, watch
 
 from floeflow.diagnostics.gridded import gridded_fields, hat_reach, sea_room
 from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
 from floeflow.state.bonds import Arrays
 from floeflow.transfer import Grid
+from support.rafts import lattice, uniform
+from support.remesh_cases import coast_case, jiggled, remapped, spacing_of, totals
+from support.stability.packs import neighbours
+from support.stability.watch import default_step, watch
+from unit.packings.test_packing import coastline
 
 CORIOLIS = 1.4e-4
 # Of the gridded file: what is mapped, of which amount of the state, and its name in totals.

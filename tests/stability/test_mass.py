@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from packs import squeezed
-from rafts import ICE, lattice, uniform
-from watch import default_step, watch
 
 from floeflow.dynamics.engine.engine import EngineParams, Forcing
 from floeflow.state.bonds import Arrays
+from support.rafts import ICE, lattice, uniform
+from support.stability.packs import squeezed
+from support.stability.watch import default_step, watch
 
 WIND = 30.0
 LAWS = {"wind": True, "ocean_drag": True, "coriolis": True}

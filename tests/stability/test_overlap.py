@@ -11,14 +11,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from packs import random_pack, squeezed
-from rafts import discs, lattice, uniform
-from watch import default_step, watch
 
 from floeflow.core.errors import FloeError
 from floeflow.dynamics.engine.engine import EngineParams
 from floeflow.dynamics.ridging.overlaps import overlapping_pairs, rest_overlaps
 from floeflow.state.bonds import CONTACT_COLUMNS, empty_pairs
+from support.rafts import discs, lattice, uniform
+from support.stability.packs import random_pack, squeezed
+from support.stability.watch import default_step, watch
 
 LAWS = EngineParams(time_step=1.0, ocean_drag=True)
 STILL = uniform((0.0, 0.0), (0.0, 0.0))

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from packs import neighbours
-from rafts import bonded, discs, lattice
-from watch import default_step, watch
 
 from floeflow.core.errors import FloeError
 from floeflow.dynamics.engine.engine import EngineParams
+from support.rafts import bonded, discs, lattice
+from support.stability.packs import neighbours
+from support.stability.watch import default_step, watch
 
 LAWS = EngineParams(time_step=1.0, bonds=True, compressive_strength=1e6, tensile_share=0.1)
 

@@ -16,9 +16,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mpi4py import MPI
-from packs import PACKS, neighbours, random_pack, shaken, squeezed
-from pressed import PRESSED, at_rest, network_step
-from watch import default_step, watch
 
 from floeflow.analysis.studies.stability_figure import stability_map
 from floeflow.core.errors import FloeError
@@ -28,6 +25,9 @@ from floeflow.dynamics.engine.params import FIXED
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.scene.blocks import Dynamics
 from floeflow.state.bonds import Arrays
+from support.stability.packs import PACKS, neighbours, random_pack, shaken, squeezed
+from support.stability.pressed import PRESSED, at_rest, network_step
+from support.stability.watch import default_step, watch
 
 # Contacts hardly matter, so that the bonds' limit is seen alone at any stiffness.
 LAWS = EngineParams(

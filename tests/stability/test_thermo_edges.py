@@ -15,13 +15,13 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from columns import BOUNDS, PHYSICS, advance, columns, freezing, weather
-from test_column_zero_layer import PARAMS, check
-from test_column_zero_layer import columns as simple_columns
-from test_column_zero_layer import weather as simple_weather
 
 from floeflow.column.layered import step
 from floeflow.column.thermodynamics.zero_layer import step as simple_step
+from support.stability.columns import BOUNDS, PHYSICS, advance, columns, freezing, weather
+from unit.column.test_zero_layer import PARAMS, check
+from unit.column.test_zero_layer import columns as simple_columns
+from unit.column.test_zero_layer import weather as simple_weather
 
 STEPS = 12
 DAY = 86400.0

@@ -14,8 +14,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from floeflow.transfer import ROOM, SHEPARD, Field, Grid, build_remapper, build_room, open_room
-from floeflow.transfer import carry
+from floeflow.transfer import (
+    ROOM,
+    SHEPARD,
+    Field,
+    Grid,
+    build_remapper,
+    build_room,
+    carry,
+    open_room,
+)
 from floeflow.transfer.bins import Room
 from floeflow.transfer.conservative import Carried
 

@@ -18,22 +18,23 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from verdict_cases import CASES
 
 from floeflow.core.mpi import mpi_environment
+from support.stability.verdict_cases import CASES
 
 pytestmark = pytest.mark.mpi
 
-HERE = Path(__file__).resolve().parent
+TESTS = Path(__file__).resolve().parents[1]
+CASES_SCRIPT = "support/stability/verdict_cases.py"
 STOPPED = {"2 step beyond the limit", "3 radius of nothing", "5 ice that nothing breaks"}
 
 
 def judged(ranks: int, folder: Path) -> dict[str, Any]:
     """Verdicts of all cases on so many ranks."""
     folder.mkdir()
-    paths = [str(HERE), str(HERE.parent / "unit"), os.environ.get("PYTHONPATH", "")]
+    paths = [str(TESTS), os.environ.get("PYTHONPATH", "")]
     done = subprocess.run(
-        ["mpirun", "-n", str(ranks), sys.executable, str(HERE / "verdict_cases.py"), str(folder)],
+        ["mpirun", "-n", str(ranks), sys.executable, str(TESTS / CASES_SCRIPT), str(folder)],
         env=mpi_environment() | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
         capture_output=True,
         text=True,

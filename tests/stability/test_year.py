@@ -18,8 +18,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-import year
-from year import DAY, Start
 
 from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
 from floeflow.coupling import resume
@@ -27,6 +25,8 @@ from floeflow.diagnostics.diagnostics import diagnose
 from floeflow.forcings.forcing import make_forcing
 from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state
+from support.stability import year
+from support.stability.year import DAY, Start
 
 # Light floes that heavy ones hit leave with up to twice their speed.
 HIT = 2.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import pytest
 import xarray as xr
-from synthetic import Run, make_run
 
 from floeflow.state import read_state
+from support.synthetic import Run, make_run
 
 
 @pytest.fixture(scope="module")

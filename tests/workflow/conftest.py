@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from runner import Done, Place, make_place
+
+from support.runner import Done, Place, make_place
 
 
 @pytest.fixture(scope="session")

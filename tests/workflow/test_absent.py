@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from runner import Done, Place, make_place
 
 from floeflow.analysis.estimate.influence import without
 from floeflow.diagnostics.collect import expected_series
@@ -22,6 +21,7 @@ from floeflow.scene.effects import EFFECTS, compatible
 from floeflow.state import read_dataset, read_state
 from floeflow.state.schema import expected_variables
 from floeflow.workflow.open_run import window_name
+from support.runner import Done, Place, make_place
 
 pytestmark = pytest.mark.workflow
 

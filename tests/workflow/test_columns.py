@@ -7,9 +7,9 @@ import json
 
 import numpy as np
 import pytest
-from runner import Place
 
 from floeflow.state import read_dataset, read_state
+from support.runner import Place
 
 pytestmark = pytest.mark.workflow
 

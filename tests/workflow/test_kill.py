@@ -8,9 +8,9 @@ import shutil
 from pathlib import Path
 
 import pytest
-from runner import Done, Place, drain, kill_all, kill_alone, paused, read_until
 
 from floeflow.state import read_state
+from support.runner import Done, Place, drain, kill_all, kill_alone, paused, read_until
 
 pytestmark = pytest.mark.workflow
 

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from runner import Done, Place
 
 from floeflow.state import read_dataset, read_state
+from support.runner import Done, Place
 
 pytestmark = pytest.mark.workflow
 

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import xarray as xr
-from runner import Done, Place
 
 from floeflow.state import read_dataset, read_state
+from support.runner import Done, Place
 
 pytestmark = pytest.mark.workflow
 

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from runner import Place
+
+from support.runner import Place
 
 pytestmark = pytest.mark.workflow
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from runner import Place, make_place
 
 from floeflow.state import read_dataset, read_state
+from support.runner import Place, make_place
 
 pytestmark = pytest.mark.workflow
 

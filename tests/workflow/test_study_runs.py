@@ -8,10 +8,10 @@ import re
 from pathlib import Path
 
 import pytest
-from runner import Done, make_place
 
 from floeflow.analysis.studies.measures import KEPT
 from floeflow.state import read_dataset
+from support.runner import Done, make_place
 
 pytestmark = pytest.mark.workflow
 

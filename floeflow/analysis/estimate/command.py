@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``python -m floeflow.scene.effects SCENE``: what each effect would change and cost, what to name."""
+"""``python -m floeflow.scene.effects SCENE``: effects estimated, what to name."""
 
 from __future__ import annotations
 

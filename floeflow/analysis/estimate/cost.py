@@ -2,7 +2,8 @@
 """What a run costs, stage by stage, from its scene: the cost model of estimates and plans.
 
 Seconds of one core are linear in a few sizes of the scene (elements times steps, cells, windows)
-with the coefficients of ``costs.json``, fitted to runs by ``python -m floeflow.analysis.plan --refit``.
+with the coefficients of ``costs.json``, fitted to runs by
+``python -m floeflow.analysis.plan --refit``.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``python -m floeflow.analysis.plan SCENE --error 0.05 | --budget 2h [--ranks 16]``: settings for a run."""
+"""Settings for a run: ``python -m floeflow.analysis.plan SCENE --error 0.05 | --budget 2h``."""
 
 from __future__ import annotations
 

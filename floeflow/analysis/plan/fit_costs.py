@@ -72,7 +72,7 @@ def read_runs(folders: Iterable[Path]) -> list[Run]:
 
 
 def fit_costs(runs: Sequence[Run], old: Mapping[str, float]) -> dict[str, float]:
-    """Coefficients of `floeflow.analysis.estimate.cost`; those that no run tells keep their old values."""
+    """Coefficients of `floeflow.analysis.estimate.cost`; those no run tells stay."""
     return {
         **old,
         **_fit_dynamics(runs),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``python -m floeflow.analysis.single_column.run forcing.nc``: one column of sea ice from the command line.
+"""``python -m floeflow.analysis.single_column.run forcing.nc``: one column of sea ice.
 
 Reads the forcing of a place, advances a column through it, writes its record as NetCDF and draws
 it: for people who want the column and no elements.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``python -m floeflow.analysis.studies.document``: docs/studies.md from the studies of the example scenes.
+"""``python -m floeflow.analysis.studies.document``: docs/studies.md of the example scenes.
 
 Reads what ``make studies`` left under ``results/`` and copies the figures to docs/images/studies.
 """

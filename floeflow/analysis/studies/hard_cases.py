@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``python -m floeflow.analysis.studies.hard_cases``: docs/hard_cases.md from what `make stability` left."""
+"""``python -m floeflow.analysis.studies.hard_cases``: docs/hard_cases.md of `make stability`."""
 
 from __future__ import annotations
 

@@ -5,10 +5,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, worst, year
 
 from floeflow.column.layered import ice_residual, sea_residual, step
 from floeflow.column.thickness.categories import category_bounds
+from support.column.reference_columns import (
+    DT,
+    YEAR,
+    each_step,
+    first,
+    open_case,
+    physics,
+    starts,
+    worst,
+    year,
+)
 
 
 def test_one_category_step_by_step(shared: Path) -> None:

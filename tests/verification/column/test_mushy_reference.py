@@ -4,10 +4,20 @@
 from pathlib import Path
 
 import numpy as np
-from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, worst, year
 
 from floeflow.column.layered import ice_residual, salt_residual, sea_residual, step, water_residual
 from floeflow.column.thickness.categories import category_bounds
+from support.column.reference_columns import (
+    DT,
+    YEAR,
+    each_step,
+    first,
+    open_case,
+    physics,
+    starts,
+    worst,
+    year,
+)
 
 CASE = "mushy_n1_ccsm3"
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from reference_columns import DT, YEAR, each_step, first, open_case, physics, starts, worst, year
 
 from floeflow.column.layered import (
     LayeredState,
@@ -19,6 +18,17 @@ from floeflow.column.layered import (
     water_residual,
 )
 from floeflow.column.thickness.categories import category_bounds
+from support.column.reference_columns import (
+    DT,
+    YEAR,
+    each_step,
+    first,
+    open_case,
+    physics,
+    starts,
+    worst,
+    year,
+)
 
 CASE = "mushy_n5_dEdd_pondlvl"
 POND = 1e-3  # m of water on the ice, from which on it counts as ponded

@@ -6,7 +6,6 @@ from dataclasses import fields, replace
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sound_columns import sound
 
 from floeflow.column.kernel import HOUR
 from floeflow.column.layered import (
@@ -25,6 +24,7 @@ from floeflow.column.physics import Physics
 from floeflow.column.thermodynamics.enthalpy import salinity_profile
 from floeflow.column.thermodynamics.mush import brine_salinity, liquidus
 from floeflow.column.thickness.categories import category_bounds
+from support.sound_columns import sound
 
 P = Physics()
 DEPTH = 20.0  # m

@@ -6,15 +6,15 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 from mpi4py import MPI
-from rafts import angular_momentum, bonded, discs, lattice
 
 from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.state.bonds import Arrays
+from support.contact import figures
+from support.rafts import angular_momentum, bonded, discs, lattice
 
 SELF = MPI.COMM_SELF
 LOSSES = ("bond", "contact", "friction", "fracture")

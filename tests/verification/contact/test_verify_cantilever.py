@@ -13,19 +13,19 @@ import math
 from functools import cache
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 import xarray as xr
-from frame import Frame, equilibrium, frame_of, gradient, hessian, stiffness
-from glue_line import failed
 from mpi4py import MPI
-from rafts import bonded, discs, uniform
 from scipy.sparse.linalg import eigsh, spsolve
 
 from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.state.bonds import Arrays
+from support.contact import figures
+from support.contact.frame import Frame, equilibrium, frame_of, gradient, hessian, stiffness
+from support.contact.glue_line import failed
+from support.rafts import bonded, discs, uniform
 
 SELF = MPI.COMM_SELF
 COLUMNS, ROWS, RADIUS, THICKNESS, YOUNG, POISSON = 30, 3, 2500.0, 0.2, 1e9, 0.3

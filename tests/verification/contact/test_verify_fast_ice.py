@@ -12,7 +12,6 @@ import math
 from functools import cache
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 import xarray as xr
@@ -27,6 +26,7 @@ from floeflow.packings.bonds import make_bonds
 from floeflow.packings.packing import make_packing
 from floeflow.scene import Scene
 from floeflow.state.schema import COAST, check_state
+from support.contact import figures
 
 SIDE, WIDE, THICKNESS = 10e3, 100e3, 1.0
 WINDOW = 21600.0

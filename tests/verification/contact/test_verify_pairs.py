@@ -12,16 +12,16 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 import xarray as xr
-from glue_line import Side, cracks, displacement, failed, load_on
 from mpi4py import MPI
-from rafts import bonded, discs, uniform
 
 from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.state.bonds import Arrays
+from support.contact import figures
+from support.contact.glue_line import Side, cracks, displacement, failed, load_on
+from support.rafts import bonded, discs, uniform
 
 SELF = MPI.COMM_SELF
 STEP, SPAN, HEAVY = 1.0 / 15.0, 5000.0, 1e27

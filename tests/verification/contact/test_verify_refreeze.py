@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import figures
 import numpy as np
-from rafts import bonded, discs
-from test_refreeze import COLD, DAY, contact, winter
-from test_refreeze_strength import PULL, strength
 
 from floeflow.dynamics.bonds.refreeze import freeze, heal, thicken
+from support.contact import figures
+from support.rafts import bonded, discs
+from unit.dynamics.test_refreeze import COLD, DAY, contact, winter
+from unit.dynamics.test_refreeze_strength import PULL, strength
 
 DAYS = np.array([0.0, 1.0, 3.0, 8.0, 12.0, 16.0])
 THICKNESS, TENSILE = 0.6, 1e5

@@ -11,13 +11,13 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 from mpi4py import MPI
-from rafts import discs
 
 from floeflow.dynamics.engine.engine import Engine, EngineParams
+from support.contact import figures
+from support.rafts import discs
 
 SELF = MPI.COMM_SELF
 

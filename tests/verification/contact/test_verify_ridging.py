@@ -9,16 +9,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 import xarray as xr
 from mpi4py import MPI
-from rafts import bonded, discs
-from ridge_law import EDGE, RidgeLaw, Ridging, demsi_force
 
 from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.state.bonds import Arrays
+from support.contact import figures
+from support.contact.ridge_law import EDGE, RidgeLaw, Ridging, demsi_force
+from support.rafts import bonded, discs
 
 SELF = MPI.COMM_SELF
 RADIUS, HEAVY, MODULUS = 2500.0, 1e27, 1e8

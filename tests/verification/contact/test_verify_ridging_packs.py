@@ -10,18 +10,18 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 import xarray as xr
-from rafts import discs, lattice
-from ridge_law import EDGE, RidgeLaw, Ridging
-from ridging_pack import CELL, LEAST, advance, assert_balance, pack_state
 
 from floeflow.dynamics.engine.engine import EngineParams, Forcing
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.state.bonds import Arrays
 from floeflow.state.elements import element_arrays
+from support.contact import figures
+from support.contact.ridge_law import EDGE, RidgeLaw, Ridging
+from support.contact.ridging_pack import CELL, LEAST, advance, assert_balance, pack_state
+from support.rafts import discs, lattice
 
 RADIUS, LENGTH = 2500.0, 2 * EDGE * 2500.0
 LAWS = {"ridging": True, "compressive_strength": 1e5}

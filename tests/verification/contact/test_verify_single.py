@@ -6,15 +6,15 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 import xarray as xr
 from mpi4py import MPI
-from rafts import discs, uniform
 from scipy.integrate import solve_ivp
 
 from floeflow.dynamics.engine.engine import Engine, EngineParams
+from support.contact import figures
+from support.rafts import discs, uniform
 
 SELF = MPI.COMM_SELF
 

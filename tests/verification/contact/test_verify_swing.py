@@ -6,13 +6,16 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 import xarray as xr
-from demsi_bonds import DemsiLaw, swing
-from rafts import uniform
-from test_verify_cantilever import (
+
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.step.critical import critical_step
+from support.contact import figures
+from support.contact.demsi_bonds import DemsiLaw, swing
+from support.rafts import uniform
+from verification.contact.test_verify_cantilever import (
     LARGE,
     POISSON,
     RADIUS,
@@ -23,9 +26,6 @@ from test_verify_cantilever import (
     cantilever,
     dead_load,
 )
-
-from floeflow.dynamics.engine.engine import Engine, EngineParams
-from floeflow.dynamics.step.critical import critical_step
 
 # DEMSI's elements weigh as much as 0.1 m of ice of 900 kg/m3, its bonds are 0.2 m thick.
 DEMSI_MASS, DEMSI_DAMPING, STALE = 0.1 * 900.0 * math.pi * RADIUS**2, 1e4, 1.03504

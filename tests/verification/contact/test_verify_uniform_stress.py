@@ -8,8 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import figures
-import hopkins_square as case
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -17,6 +15,8 @@ from mpi4py import MPI
 from floeflow.core.mpi import mpi_environment
 from floeflow.dynamics.engine.engine import Engine
 from floeflow.state.bonds import Arrays
+from support.contact import figures
+from support.contact import hopkins_square as case
 
 SHORT = 200e3  # side of the square of the short forms, m
 SMALLEST = 3  # elements: aggregates from this size on enter the exponent
@@ -89,11 +89,17 @@ def on_ranks(
     folder: Path, ranks: int, side: float, start: Path | None = None, deterministic: bool = False
 ) -> dict[int, Result]:
     folder.mkdir(parents=True)
-    here = Path(__file__).parent
-    command = ["mpirun", "-n", str(ranks), sys.executable, str(here / "hopkins_square.py")]
+    tests = Path(__file__).parents[2]
+    command = [
+        "mpirun",
+        "-n",
+        str(ranks),
+        sys.executable,
+        str(tests / "support/contact/hopkins_square.py"),
+    ]
     command += [str(folder), str(side)] + ([str(start)] if start else [])
     command += ["deterministic"] if deterministic else []
-    path = os.pathsep.join([str(here), os.environ.get("PYTHONPATH", "")])
+    path = os.pathsep.join([str(tests), os.environ.get("PYTHONPATH", "")])
     environment = mpi_environment() | {"PYTHONPATH": path}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

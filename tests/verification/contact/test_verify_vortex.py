@@ -5,12 +5,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
-import vortex
-import vortex_ridging
 import xarray as xr
+
+from support.contact import figures, vortex, vortex_ridging
 
 HOUR = 3600.0
 # Time steps (s) of the members of the ensemble; each starts 1e-9 m off, at random.

@@ -6,16 +6,16 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import figures
 import numpy as np
 import pytest
 from mpi4py import MPI
-from rafts import bonded, lattice
 
 from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.state import walls
 from floeflow.state.bonds import Arrays
+from support.contact import figures
+from support.rafts import bonded, lattice
 
 SPEED, SECONDS = 1.0, 400.0
 LOSSES = ("bond", "contact", "friction", "fracture")

@@ -10,10 +10,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import remap_figures
-import sheets
 import xarray as xr
-from sheets import (
+
+from floeflow.dynamics.remesh.remap import lay
+from floeflow.dynamics.remesh.transport import amounts, transport
+from floeflow.state.schema import MOBILE, VARIABLES
+from support.transfer import remap_figures, sheets
+from support.transfer.sheets import (
     SIDE,
     Move,
     Sheet,
@@ -28,10 +31,6 @@ from sheets import (
     round_trip,
     thickness_error,
 )
-
-from floeflow.dynamics.remesh.remap import lay
-from floeflow.dynamics.remesh.transport import amounts, transport
-from floeflow.state.schema import MOBILE, VARIABLES
 
 ROUND_OFF = 1e-12
 

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import remap_figures
-from squeeze import Squeeze, squeeze
+
+from support.transfer import remap_figures
+from support.transfer.squeeze import Squeeze, squeeze
 
 CURES = ("remap", "merge", "")
 

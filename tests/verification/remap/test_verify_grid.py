@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from gridpacks import convergence, convergence_figure, displaced, unit_grid
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -18,9 +17,10 @@ from floeflow.transfer import (
     Grid,
     build_remapper,
     build_weights,
+    carry,
     open_room,
 )
-from floeflow.transfer import carry
+from support.transfer.gridpacks import convergence, convergence_figure, displaced, unit_grid
 
 FINE = [8, 16, 32, 64, 128, 256, 512]
 

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Run by test_engine_mpi.py under mpirun: a raft is loaded, run, written, loaded again, run."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+
+from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.state import walls
+from floeflow.state.bonds import Arrays
+from support.rafts import bonded, lattice, uniform
+from support.ranks import read_tables, write_part
+
+
+def main(out: Path, steps: int, walled: bool, start: Path | None) -> None:
+    """Write elements, bonds, contacts and sums after some steps, and after as many more."""
+    raft = lattice(20, 15)
+    random = np.random.default_rng(11)
+    raft["thickness"] = random.uniform(0.5, 2.0, len(raft["id"]))
+    raft["mass"] = raft["mass"] * raft["thickness"]
+    raft["type"][raft["y"] == 0] = 2
+    raft["u"] = np.where(raft["type"] == 2, 0.0, -3e-5 * raft["x"] + 0.4)
+    table = bonded(raft)
+    coast = (raft["type"][table["id_lo"] - 1] == 2) & (raft["type"][table["id_hi"] - 1] == 2)
+    state: list[Arrays | None] = [raft, {n: v[~coast] for n, v in table.items()}, None, None]
+    if start is not None:
+        state = read_tables(start)
+    switches = dict.fromkeys(("bonds", "wind", "ocean_drag", "coriolis", "tilt"), True)
+    params = EngineParams(time_step=0.2, ridging=walled, **switches)
+    # One wall stands, one comes from the right, and a bent one dents the upper side.
+    dent = np.array([[[1.5e4, 4e4], [2e4, 2.525e4]], [[2e4, 2.525e4], [2.5e4, 4e4]]])
+    faces = walls.join(
+        [
+            walls.plane(-1000.0, 0.0, (1.0, 0.0)),
+            walls.plane(40_000.0, 0.0, (-1.0, 0.0), (-1.5, 0.1)),
+            walls.lines(dent, (0.0, -1.0)),
+        ]
+    )
+    comm = MPI.COMM_WORLD
+    with Engine(comm, params, out / f"log.{comm.size}", faces if walled else None) as engine:
+        for k, part in enumerate(("first", "second"), start=start is not None):
+            engine.load(*state[:3], 0.2 * steps * k, state[3])
+            engine.set_forcing(uniform((10.0, 5.0), (0.1, 0.1), 1.4e-4))
+            engine.run(steps)
+            state = write_part(out / f"{part}.npz", engine)
+
+
+if __name__ == "__main__":
+    folder, count, kind, *rest = sys.argv[1:]
+    main(Path(folder), int(count), kind == "walls", Path(rest[0]) if rest else None)

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""``mpirun`` starts for root, on few cores, and below a process that uses MPI itself."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from floeflow.core.mpi import mpi_environment
+
+BELOW = """
+import subprocess
+import sys
+from mpi4py import MPI
+from floeflow.core.mpi import mpi_environment
+# As subprocess has it: MPI changes the environment behind Python's back.
+lines = subprocess.run(["env", "-0"], capture_output=True, text=True).stdout.split("\\0")
+inherited = dict(line.split("=", 1) for line in lines if line)
+assert "PMIX_RANK" in inherited
+ranks = subprocess.run(["mpirun", "-n", "3", "echo", "here"], env=mpi_environment(inherited),
+                       capture_output=True, text=True)
+sys.exit(0 if ranks.stdout == "here\\n" * 3 else ranks.stdout + ranks.stderr)
+"""
+
+
+@pytest.mark.mpi
+def test_ranks_start_below_a_process_that_uses_mpi():
+    done = subprocess.run([sys.executable, "-c", BELOW], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_user_s_own_settings_stay():
+    base = {"PMIX_RANK": "0", "OMPI_COMM_WORLD_RANK": "0", "OMPI_MCA_btl": "self", "HOME": "/h"}
+    environment = mpi_environment(base)
+    assert environment["OMPI_MCA_btl"] == "self" and environment["HOME"] == "/h"
+    assert "PMIX_RANK" not in environment and "OMPI_COMM_WORLD_RANK" not in environment

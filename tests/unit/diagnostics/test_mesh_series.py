@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Meshes: cells that meshio reads back are the packing's, carried and turned with the elements."""
+
+import re
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+import pytest
+import shapely
+
+from floeflow.core.errors import FloeError
+from floeflow.core.meshes import write_polygons, write_series
+from floeflow.core.polygons import DISC_CORNERS, body_outlines, carried_outlines
+from floeflow.diagnostics import mesh_series as mesh
+from floeflow.diagnostics.mesh_series import cell_fields, write_meshes
+from floeflow.state import read_dataset, read_state
+from support.synthetic import make_run
+
+
+@pytest.fixture(scope="module")
+def packing(run):
+    return read_dataset(run.folder / "preprocess" / "packing.nc")
+
+
+@pytest.fixture(scope="module")
+def written(packing, states, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("mesh") / "new"
+    paths = [folder / f"{window:04d}.vtu" for window in range(len(states))]
+    write_meshes(packing, states, paths, folder / "elements.pvd")
+    return folder
+
+
+def read(path):
+    """Rings and fields by id, from a mesh that meshio reads."""
+    found = meshio.read(path)
+    assert (found.points[:, 2] == 0).all()
+    rings, fields = {}, {}
+    for index, block in enumerate(found.cells):
+        assert block.type == "polygon"
+        for row, corners in enumerate(block.data):
+            ident = int(found.cell_data["id"][index][row])
+            assert ident not in rings
+            rings[ident] = found.points[corners, :2]
+            fields[ident] = {name: data[index][row] for name, data in found.cell_data.items()}
+    return rings, fields
+
+
+def cell_of(packing, index):
+    first, last = packing["cell_start"].values[index : index + 2]
+    return np.stack([packing[name].values[first:last] for name in ("cell_x", "cell_y")], axis=1)
+
+
+def test_first_mesh_is_the_packing(written, packing):
+    rings, _ = read(written / "0000.vtu")
+    assert sorted(rings) == packing["id"].values.tolist()
+    assert len({len(ring) for ring in rings.values()}) > 4
+    for index, ident in enumerate(packing["id"].values):
+        cell = cell_of(packing, index)
+        if len(cell):
+            np.testing.assert_allclose(rings[ident], cell, rtol=0, atol=1e-8)
+            continue
+        centre = packing["x"].values[index], packing["y"].values[index]
+        reach = np.hypot(*(rings[ident] - centre).T)
+        assert len(rings[ident]) == DISC_CORNERS
+        np.testing.assert_allclose(reach, packing["radius"].values[index], rtol=1e-9)
+
+
+def test_cells_move_and_turn_with_their_elements(written, packing, states):
+    rings, _ = read(written / "0003.vtu")
+    first, last = states[0], states[3]
+    theta = last["theta"].values
+    assert np.ptp(theta) > 0.1
+    for index in np.flatnonzero(np.diff(packing["cell_start"].values)):
+        start = shapely.Point(first["x"].values[index], first["y"].values[index])
+        cell = shapely.affinity.rotate(
+            shapely.Polygon(cell_of(packing, index)), theta[index], start, use_radians=True
+        )
+        way = [last[name].values[index] - first[name].values[index] for name in "xy"]
+        cell = shapely.affinity.translate(cell, *way)
+        expected = shapely.get_coordinates(cell)[:-1]
+        np.testing.assert_allclose(rings[index + 1], expected, rtol=0, atol=1e-7)
+
+
+def test_orientation_counts_from_that_of_the_first_state(packing, states):
+    turned = [state.assign(theta=state["theta"] + 1.0) for state in states]
+    plain = carried_outlines(body_outlines(packing, states[0]), states[2])
+    again = carried_outlines(body_outlines(packing, turned[0]), turned[2])
+    np.testing.assert_allclose(again.x, plain.x, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(again.y, plain.y, rtol=0, atol=1e-7)
+
+
+def test_areas_add_up_and_rings_stay_whole(written, packing):
+    cells = [cell_of(packing, index) for index in range(packing.sizes["element"])]
+    whole = sum(shapely.Polygon(cell).area for cell in cells if len(cell))
+    for name in ("0000.vtu", "0003.vtu"):
+        rings, fields = read(written / name)
+        mobile = [shapely.Polygon(ring) for i, ring in rings.items() if fields[i]["type"] == 1]
+        assert all(cell.is_valid and cell.exterior.is_ccw for cell in mobile)
+        assert sum(cell.area for cell in mobile) == pytest.approx(whole, rel=1e-12)
+
+
+def test_a_cell_that_is_not_convex_comes_back_as_it_is(tmp_path):
+    """An L, as the ice's edge cuts them, between a triangle and a square."""
+    x = np.array([0, 1, 0, 5, 9, 9, 6, 6, 5, 10, 11, 11, 10], float)
+    y = np.array([0, 0, 1, 0, 0, 1, 1, 4, 4, 0, 0, 1, 1], float)
+    start = np.array([0, 3, 9, 13])
+    ids = np.array([7, 8, 9])
+    write_polygons(tmp_path / "l.vtu", start, x, y, {"id": ids})
+    rings, _ = read(tmp_path / "l.vtu")
+    areas = {ident: shapely.Polygon(ring).area for ident, ring in rings.items()}
+    assert areas == {7: 0.5, 8: 7.0, 9: 1.0}
+    for index, ident in enumerate(ids):
+        there = slice(*start[index : index + 2])
+        np.testing.assert_array_equal(rings[ident], np.stack([x[there], y[there]], axis=1))
+
+
+def test_fields_are_those_of_the_state(written, states):
+    _, fields = read(written / "0002.vtu")
+    state = states[2]
+    for index, ident in enumerate(state["id"].values):
+        here = state.isel(element=index)
+        found = fields[ident]
+        assert found["type"] == here["type"] and found["area"] == here["area"]
+        assert found["speed"] == np.hypot(here["u"], here["v"])
+        np.testing.assert_array_equal(found["velocity"], [here["u"], here["v"], 0.0])
+        assert found["spin"] == here["omega"]
+        fraction = float(here["ice_fraction"][0])
+        assert found["ice_fraction"] == fraction
+        names = {"thickness": "ice_volume", "snow_thickness": "snow_volume"}
+        for name, amount in names.items():
+            expected = float(here[amount][0]) / fraction if fraction else np.nan
+            np.testing.assert_allclose(found[name], expected, rtol=1e-15)
+        warm = float(here["surface_temperature"][0]) if fraction else np.nan
+        np.testing.assert_allclose(found["surface_temperature"], warm, rtol=1e-15)
+
+
+def test_categories_are_averaged_over_the_ice(states):
+    state = states[0].isel(element=[0])
+    two = state.isel(category=[0, 0]).copy(deep=True)
+    two["ice_fraction"].values[:] = [[0.2, 0.6]]
+    two["ice_volume"].values[:] = [[0.1, 1.5]]
+    two["surface_temperature"].values[:] = [[240.0, 260.0]]
+    fields = cell_fields(two)
+    assert fields["ice_fraction"][0] == pytest.approx(0.8)
+    assert fields["thickness"][0] == pytest.approx(2.0)
+    assert fields["surface_temperature"][0] == pytest.approx(255.0)
+
+
+def test_without_thermodynamics_no_snow_is_shown(tmp_path):
+    run = make_run(tmp_path, effects=("wind",), windows=1)
+    fields = cell_fields(read_state(run.path("state", 1)))
+    assert not {"snow_thickness", "surface_temperature"} & set(fields)
+
+
+def test_series_names_the_files_and_their_times(written, states):
+    found = ElementTree.parse(written / "elements.pvd").getroot()
+    assert found.tag == "VTKFile" and found.get("type") == "Collection"
+    sets = list(found.iter("DataSet"))
+    assert [float(each.get("timestep")) for each in sets] == [s.attrs["time"] for s in states]
+    files = [written / each.get("file") for each in sets]
+    assert all(file.is_file() for file in files)
+    assert sorted(path.name for path in written.iterdir()) == sorted(
+        ["elements.pvd", *(file.name for file in files)]
+    )
+
+
+def test_lost_elements_are_left_out_and_new_ones_refused(packing, states):
+    body = body_outlines(packing, states[0])
+    fewer = states[1].isel(element=[3, 10, 200])
+    found = carried_outlines(body, fewer)
+    whole = carried_outlines(body, states[1])
+    assert found.id.tolist() == fewer["id"].values.tolist()
+    for index, ident in enumerate(found.id):
+        there = slice(*whole.start[ident - 1 : ident + 1])
+        np.testing.assert_array_equal(
+            found.x[slice(*found.start[index : index + 2])], whole.x[there]
+        )
+    strange = fewer.assign(id=fewer["id"] + 1000)
+    with pytest.raises(FloeError, match="element 1004 of state 0001 is not in the packing"):
+        carried_outlines(body, strange)
+    with pytest.raises(FloeError, match="does not have the elements of the first state"):
+        body_outlines(packing, fewer)
+
+
+def test_no_polygon_is_refused(tmp_path):
+    run = make_run(tmp_path, elements=False, windows=1)
+    packing = read_dataset(run.folder / "preprocess" / "packing.nc")
+    states = [read_state(run.path("state", 0))]
+    with pytest.raises(FloeError, match="there is no polygon to write"):
+        write_meshes(packing, states, [tmp_path / "0000.vtu"], tmp_path / "elements.pvd")
+    assert not list(tmp_path.glob("*.vtu"))
+
+
+def test_meshes_that_cannot_be_written_leave_nothing(tmp_path):
+    for name in ("a.vtu", "a.pvd"):
+        (tmp_path / name).mkdir()
+    corner = np.array([0.0, 1.0, 0.0])
+    with pytest.raises(FloeError, match="a.vtu: cannot be written"):
+        write_polygons(tmp_path / "a.vtu", np.array([0, 3]), corner, corner[::-1], {})
+    with pytest.raises(FloeError, match="a.pvd: cannot be written"):
+        write_series(tmp_path / "a.pvd", ["a.vtu"], [0.0])
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.pvd", "a.vtu"]
+
+
+def test_rule_writes_a_mesh_for_each_window_of_a_group(run, written, tmp_path):
+    meshes = [tmp_path / f"{window:04d}.vtu" for window in (0, *run.windows)]
+    ends = [run.path("state", window) for window in (0, run.windows[-1])]
+    mesh.main(
+        SimpleNamespace(
+            input=SimpleNamespace(
+                packing=str(run.folder / "preprocess" / "packing.nc"),
+                states=[str(path) for path in ends],
+            ),
+            output=SimpleNamespace(
+                meshes=[str(path) for path in meshes], series=str(tmp_path / "elements.pvd")
+            ),
+            params=SimpleNamespace(windows=[f"{window:04d}" for window in run.windows]),
+        )
+    )
+    for path in [*meshes, tmp_path / "elements.pvd"]:
+        assert path.read_bytes() == (written / path.name).read_bytes()
+
+
+def test_one_module_imports_meshio(project):
+    found = [
+        path.relative_to(project).as_posix()
+        for folder in ("floeflow", "preprocess", "dynamics", "column", "postprocess")
+        for path in (project / folder).rglob("*.py")
+        if re.search(r"^\s*(import|from) meshio", path.read_text(), re.MULTILINE)
+    ]
+    assert found == ["floeflow/core/meshes.py"]

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Room for contacts: no set of neighbours that do not overlap is ever stiffer than the bound."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from floeflow.dynamics.engine.params import FIXED, EngineParams
+from floeflow.dynamics.step import contact_room as contactroom
+from floeflow.dynamics.step.contact_room import contact_room, element_kinds
+from floeflow.dynamics.step.stiffness import pack_stiffness
+from floeflow.state.bonds import Arrays
+from support.rafts import discs, lattice
+
+LAWS = EngineParams(time_step=1.0, contact_damping=0.3)
+
+
+def crowd(random: np.random.Generator, tries: int = 200) -> Arrays:
+    """A disc and others that touch it and do not overlap, of unlike radii and thicknesses."""
+    spread, many = random.uniform(0.0, 1.5), random.integers(1, 30)
+    angles, radii = [0.0], [float(np.exp(random.normal(0.0, spread)))]
+    places = [(1.0 + radii[0], 0.0)]
+    side_by_side = random.random() < 0.5
+    for _ in range(tries):
+        r = float(np.exp(random.normal(0.0, spread)))
+        k = random.integers(len(angles))
+        beside = 2.0 * np.arcsin(np.sqrt(r / (1.0 + r) * radii[k] / (1.0 + radii[k])))
+        at = angles[k] + beside * (1.0 + 1e-9) if side_by_side else random.uniform(0.0, 2.0 * np.pi)
+        place = ((1.0 + r) * np.cos(at), (1.0 + r) * np.sin(at))
+        gaps = [np.hypot(*np.subtract(place, other)) for other in places]
+        if all(gap >= r + other for gap, other in zip(gaps, radii, strict=True)):
+            angles.append(at)
+            radii.append(r)
+            places.append(place)
+        if len(radii) >= many:
+            break
+    x, y = np.array([(0.0, 0.0), *places]).T
+    h = np.exp(random.uniform(-2.0, 2.0, len(x)) * random.integers(0, 2))
+    return discs(1e3 * x, 1e3 * y, 1e3 * np.array([1.0, *radii]), h)
+
+
+def block(pack: Arrays, laws: EngineParams) -> tuple[np.ndarray, np.ndarray]:
+    """What the first disc's contacts weigh on its own motion, 3 x 3: stiffness and damping."""
+    mass, h = pack["mass"], pack["thickness"]
+    ratio = laws.contact_shear_ratio if laws.friction else 0.0
+    k = laws.contact_modulus * h[0] * h[1:] / (h[0] + h[1:])
+    c = 2.0 * laws.contact_damping * np.sqrt(k / (1.0 / mass[0] + 1.0 / mass[1:]))
+    weight = pack["radius"] / mass
+    share = (1.0 + weight[1:] / weight[0]) / mass[0]
+    n = np.stack([pack["x"][1:], pack["y"][1:]], axis=1)
+    n /= np.hypot(*n.T)[:, None]
+    opening = np.column_stack([n, np.zeros(len(n))])
+    sliding = np.column_stack([-n[:, 1], n[:, 0], np.full(len(n), np.sqrt(2.0))])
+    out = []
+    for value, part in ((k * share, ratio), (c * share, np.sqrt(ratio))):
+        rows = np.sqrt(value)[:, None] * opening, np.sqrt(part * value)[:, None] * sliding
+        out.append(sum(row.T @ row for row in rows))
+    return out[0], out[1]
+
+
+@pytest.mark.parametrize("friction", [False, True])
+def test_no_crowd_is_stiffer_than_the_bound(friction: bool) -> None:
+    random, laws = np.random.default_rng(3), replace(LAWS, friction=friction)
+    shares = []
+    for _ in range(400):
+        pack = crowd(random)
+        bound = pack_stiffness(pack, None, laws)
+        for crowded, most in zip(block(pack, laws), (bound.stiffness, bound.damping), strict=True):
+            most = most.diagonal()[:3]
+            kept = most > 0.0  # without friction nothing turns
+            root = 1.0 / np.sqrt(most[kept])
+            shares.append(np.linalg.eigvalsh(root[:, None] * crowded[kept][:, kept] * root)[-1])
+    assert max(shares) <= 1.0 + 1e-9
+    assert max(shares) > 0.9  # some crowds come close to it
+
+
+def test_a_full_lattice_meets_the_bound_whatever_its_thicknesses() -> None:
+    pack = lattice(3, 3)
+    pack["thickness"] = np.linspace(0.2, 3.0, 9)
+    pack["mass"] *= pack["thickness"]
+    ring = np.argsort(np.hypot(pack["x"] - pack["x"][4], pack["y"] - pack["y"][4]), kind="stable")
+    seven = {name: values[ring[:7]] for name, values in pack.items()}
+    for name in ("x", "y"):
+        seven[name] = seven[name] - seven[name][0]
+    crowded, _ = block(seven, LAWS)
+    most = pack_stiffness(seven, None, LAWS).stiffness.diagonal()[:3]
+    assert crowded[2, 2] == pytest.approx(most[2], rel=1e-9)
+
+
+def test_many_kinds_are_put_together_on_the_safe_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    random = np.random.default_rng(2)
+    pack = discs(*random.uniform(0, 1e5, (2, 300)), random.uniform(500, 1500, 300), 1.0)
+    pack["thickness"] = random.uniform(0.2, 3.0, 300)
+    pack["mass"] *= pack["thickness"]
+    pack["type"][:5] = FIXED
+    monkeypatch.setattr(contactroom, "MOST", 100)
+    kinds, room = element_kinds(pack), contact_room(pack, LAWS)
+    assert 20 < len(kinds.radius) <= 100
+    inverse = np.where(pack["type"] == FIXED, 0.0, 1.0 / pack["mass"])
+    weight, r, h, m = kinds.weight[kinds.of], pack["radius"], pack["thickness"], pack["mass"]
+    assert (room.stiffness[:5] == 0.0).all()
+    closest = []
+    for i in range(5, 300):
+        k = LAWS.contact_modulus * h[i] * h / (h[i] + h)
+        c = 2.0 * LAWS.contact_damping * np.sqrt(k / (1.0 / m[i] + inverse))
+        share = (1.0 + weight / weight[i]) / m[i]
+        # As many of the same as find room.
+        count = np.pi / np.arcsin(r / (r[i] + r))
+        closest.append((count * k * share).max() / room.stiffness[i])
+        assert closest[-1] <= 1.0 + 1e-12
+        assert (count * c * share).max() <= room.damping[i] * (1.0 + 1e-12)
+    assert min(closest) > 0.6

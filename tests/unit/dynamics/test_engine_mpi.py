@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The engine on one and on two ranks: the same ice."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from floeflow.state.bonds import Arrays
+from support.ranks import run_parts
+
+pytestmark = pytest.mark.mpi
+
+
+def run(
+    folder: Path, ranks: int, *start: Path, steps: int = 1000, kind: str = "raft"
+) -> tuple[Arrays, Arrays]:
+    return run_parts("engine_ranks.py", folder, ranks, steps, kind, *start)
+
+
+@pytest.fixture(scope="module")
+def ranks(tmp_path_factory: pytest.TempPathFactory) -> dict[int, tuple[Arrays, Arrays]]:
+    folder = tmp_path_factory.mktemp("ranks")
+    return {n: run(folder / str(n), n) for n in (1, 2, 4)}
+
+
+@pytest.mark.parametrize("more", [2, 4])
+def test_one_and_more_ranks_agree_over_the_first_1000_steps(
+    ranks: dict[int, tuple[Arrays, Arrays]], more: int
+) -> None:
+    one, two = ranks[1][0], ranks[more][0]
+    assert 0 < one["sum.bonds_broken"] and 0 < one["sum.bonds"]
+    assert ((one["bond.crack_a"] > 0) | (one["bond.crack_b"] > 0)).any()
+    for name in ("bond.id_lo", "bond.id_hi", "contact.id_lo", "contact.id_hi"):
+        np.testing.assert_array_equal(one[name], two[name])
+    for name in ("bond.crack_a", "bond.crack_b"):
+        np.testing.assert_allclose(one[name], two[name], atol=1e-9)
+    for name in ("element.x", "element.y"):
+        scale = np.ptp(one[name])
+        np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-9 * scale)
+
+
+def test_sums_agree_and_each_pair_is_counted_once(ranks: dict[int, tuple[Arrays, Arrays]]) -> None:
+    one, two = ranks[1][0], ranks[2][0]
+    for name in one:
+        if name.startswith("sum."):
+            scale = abs(float(one["sum.work_wind"])) if "work" in name else 1.0
+            np.testing.assert_allclose(two[name], one[name], rtol=1e-6, atol=1e-6 * scale)
+    for name in ("bonds", "contacts", "bonds_broken", "bonds_cracked", "elements"):
+        assert two[f"sum.{name}"] == one[f"sum.{name}"]
+
+
+def test_two_ranks_repeat_themselves_to_the_bit(
+    ranks: dict[int, tuple[Arrays, Arrays]], tmp_path: Path
+) -> None:
+    again = run(tmp_path, 2)
+    for a, b in zip(ranks[2], again, strict=True):
+        for name in a:
+            np.testing.assert_array_equal(a[name], b[name], err_msg=name)
+
+
+def test_a_state_goes_on_with_another_number_of_ranks(
+    ranks: dict[int, tuple[Arrays, Arrays]], tmp_path: Path
+) -> None:
+    state = tmp_path / "state.npz"
+    np.savez(state, **ranks[1][0])
+    moved = run(tmp_path, 2, state)[0]  # its first part continues from the state
+    kept = ranks[1][1]
+    np.testing.assert_array_equal(moved["bond.id_hi"], kept["bond.id_hi"])
+    for name in ("element.x", "element.y"):
+        scale = np.ptp(kept[name])
+        np.testing.assert_allclose(moved[name], kept[name], rtol=0, atol=1e-9 * scale)
+
+
+def test_walls_and_ridges_on_other_numbers_of_ranks(tmp_path: Path) -> None:
+    """Moving walls that crack and ridge the raft, cut in the midst and continued elsewhere."""
+    runs = {n: run(tmp_path / str(n), n, steps=200, kind="walls") for n in (1, 2, 4)}
+    first, second = runs[1]
+    # All three walls are touched; the first line of the bent one speaks for its corner.
+    assert set(first["wall.face"]) == {0, 1, 2}
+    assert (first["wall.ridge_closing"] > 0).any() and (first["contact.ridge_closing"] > 0).any()
+    assert first["sum.bonds_broken"] > 10 and first["sum.elastic_wall"] > 0
+    state = tmp_path / "state.npz"
+    np.savez(state, **first)
+    moved = run(tmp_path / "moved", 4, state, steps=200, kind="walls")[0]
+    for one, other in ((first, runs[2][0]), (first, runs[4][0]), (second, moved)):
+        for name in ("bond.id_lo", "bond.id_hi", "contact.id_hi", "wall.id", "wall.face"):
+            np.testing.assert_array_equal(other[name], one[name], err_msg=name)
+        for name, size in (
+            *((f"element.{k}", 4e4) for k in ("x", "y")),
+            *((f"wall.{k}", 1e3) for k in ("slip", "rest_overlap", "ridge_closing")),
+            *((f"contact.{k}", 1e3) for k in ("slip", "rest_overlap", "ridge_closing")),
+            *((f"sum.{k}", 1e10) for k in ("elastic_wall", "work_wall", "impulse_wall_x")),
+        ):
+            np.testing.assert_allclose(
+                other[name], one[name], rtol=1e-9, atol=1e-9 * size, err_msg=name
+            )

@@ -1,0 +1,366 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The report as a page: complete, self-contained, escaped, free of numbers that are none."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Sequence
+from html.parser import HTMLParser
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from matplotlib.figure import Figure
+
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics import diagnostics
+from floeflow.diagnostics.run_cost import stages, total_seconds
+from floeflow.report import report
+from floeflow.report.report import read_numbers, render
+from floeflow.report.report_text import duration, number, scene_keys, with_unit
+from floeflow.report.study_page import Study, Table, draw, write_study
+from floeflow.scene.effects import EFFECTS
+from floeflow.state import read_state, write_state
+from support.synthetic import Run, make_run
+
+VOID = {"meta", "img", "br", "link", "hr", "input"}
+SECTIONS = [
+    "Summary",
+    "The scene",
+    "Start and end",
+    "Gridded fields",
+    "Time series",
+    "Budgets with residuals",
+    "Cost",
+    "Provenance",
+]
+ESTIMATES = {
+    "chosen_by": "auto",
+    "estimates": [
+        {
+            "name": "wind",
+            "named": True,
+            "number": 3.0,
+            "meaning": "wind over current",
+            "share": 0.5,
+            "cost": 0.1,
+            "advice": "needed",
+            "reason": "It moves positions.",
+        },
+        {
+            "name": "grid_output",
+            "named": False,
+            "number": None,
+            "meaning": "none",
+            "share": 0.0,
+            "cost": 0.1,
+            "advice": "output",
+            "reason": "It changes no result.",
+        },
+    ],
+}
+HOSTILE = '<script>alert(1)</script> & "co" {{ 7 * 7 }}'
+
+
+class Page(HTMLParser):
+    """Tags, attributes and visible text of a page; unbalanced tags are a fault."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str]]] = []
+        self.texts: list[tuple[str, str]] = []
+        self.feed(text)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, {name: value or "" for name, value in attrs}))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] != "style" and data.strip():
+            self.texts.append((self.open[-1], data.strip()))
+
+    def within(self, tag: str) -> list[str]:
+        """Texts whose innermost tag is this one."""
+        return [text for name, text in self.texts if name == tag]
+
+    def every(self, tag: str) -> list[dict[str, str]]:
+        """Attributes of all tags of a name."""
+        return [attrs for name, attrs in self.tags if name == tag]
+
+    @property
+    def text(self) -> str:
+        """All visible text."""
+        return " ".join(text for _, text in self.texts)
+
+
+def report_of(run: Run, studies: Sequence[Path] = ()) -> str:
+    folder, last = run.folder, run.windows[-1]
+    config = {"scene": str(run.scene_file)}
+    files = {
+        "diagnostics": str(folder / "diagnostics.nc"),
+        "headline": str(folder / "diagnostics.json"),
+    }
+    diagnostics.main(
+        SimpleNamespace(
+            input=SimpleNamespace(
+                states=[str(run.path("state", 0)), str(run.path("state", last))],
+                grids=[str(run.path("grid", window)) for window in (0, last)],
+            ),
+            output=SimpleNamespace(dataset=files["diagnostics"], headline=files["headline"]),
+            params=SimpleNamespace(windows=run.windows),
+            config=config,
+        )
+    )
+    given = SimpleNamespace(
+        input=SimpleNamespace(
+            first_state=str(run.path("state", 0)),
+            last_state=str(run.path("state", last)),
+            grids=[str(run.path("grid", window)) for window in (0, last)],
+            mask=str(folder / "preprocess" / "mask.nc"),
+            packing=str(folder / "preprocess" / "packing.nc"),
+            benchmarks=sorted(str(path) for path in (folder / "benchmarks").rglob("*.tsv")),
+            estimates=str(folder / "effects.json"),
+            **files,
+        ),
+        output=SimpleNamespace(report=str(folder / "report.html"), figures=str(folder / "figures")),
+        params=SimpleNamespace(studies={str(path): "" for path in studies}),
+        config=config,
+    )
+    Path(given.input.estimates).write_text(json.dumps(ESTIMATES))
+    report.main(given)
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def page(run: Run) -> Page:
+    return Page(report_of(run))
+
+
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, str]:
+    """Hostile words, hardly an effect, no ice."""
+    run = make_run(tmp_path_factory.mktemp("bare"), ("wind",), 1, elements=False, title=HOSTILE)
+    state = read_state(run.path("state", 1))
+    state.attrs["provenance"] = '{"machine": "<img src=x onerror=alert(1)>"}'
+    write_state(state, run.path("state", 1))
+    return run, report_of(run)
+
+
+def test_sections_come_in_order(page: Page):
+    assert page.within("h2") == SECTIONS
+    targets = {link["href"].removeprefix("#") for link in page.every("a")}
+    ids = [attrs["id"] for _, attrs in page.tags if "id" in attrs]
+    assert len(ids) == len(set(ids))
+    assert targets <= set(ids)
+
+
+def test_page_stands_alone(page: Page):
+    assert not page.every("script") and not page.every("link")
+    sources = [image["src"] for image in page.every("img")]
+    assert len(sources) > 20
+    for source in sources:
+        kind, data = source.split(";base64,")
+        assert kind in ("data:image/png", "data:image/svg+xml")
+        head = base64.b64decode(data)[:6]
+        assert head.startswith(b"\x89PNG" if kind.endswith("png") else b"<?xml")
+    styles = re.findall(r"url\(|@import|https?://", render_styles(page))
+    assert not styles
+    assert not [attrs for _, attrs in page.tags if any(name.startswith("on") for name in attrs)]
+
+
+def render_styles(page: Page) -> str:
+    """Everything in the page's attributes but the pictures."""
+    kept = (v for _, attrs in page.tags for k, v in attrs.items() if not v.startswith("data:"))
+    return " ".join(kept)
+
+
+def test_each_picture_has_words_and_a_file(run: Run, page: Page):
+    names = {figure["id"] for figure in page.every("figure")}
+    files = {path.stem for path in (run.folder / "figures").glob("*.png")}
+    assert names == files
+    assert all(image["alt"].endswith(".") for image in page.every("img"))
+    expected = {
+        "elements_thickness_start",
+        "elements_thickness_end",
+        "elements_bonds",
+        "elements_displacement",
+        "grid_siconc_end",
+        "grid_sisnthick_start",
+        "series_bonds",
+        "budget_momentum_x",
+        "budget_column_energy",
+        "cost_stages",
+    }
+    assert expected <= names
+
+
+def test_headline_numbers_stand_in_cards(run: Run, page: Page):
+    numbers = read_numbers(run.folder / "diagnostics.json")["headline"]
+    values = page.within("dd")
+    assert with_unit(numbers["ice_volume_end"], ((1e9, "km³"),)) in values
+    assert f"{numbers['bonds_broken']}" in values
+    assert page.within("dt")[:4] == ["Ice area", "Ice volume", "Mean drift", "Largest speed"]
+
+
+def test_budgets_state_residual_verdict_and_thresholds(page: Page):
+    cells = page.within("td")
+    assert "1e−8" in cells and "1e−12" in cells
+    assert "Momentum along x" in page.within("th")
+    # Three explain the words, one counts them, one for each of ten budgets.
+    assert len([span for span in page.every("span") if "verdict" in span["class"]]) == 14
+
+
+def test_no_number_is_none(page: Page, bare: tuple[Run, str]):
+    for text in (page.text, Page(bare[1]).text):
+        assert not re.search(r"\b(nan|NaN|inf|None|null)\b", text)
+
+
+def test_hostile_words_are_escaped(bare: tuple[Run, str]):
+    _, html = bare
+    page = Page(html)
+    assert "<script" not in html
+    assert page.within("h1") == [HOSTILE]
+    assert page.within("title")[0].startswith(HOSTILE)
+    assert "&lt;img src=x" in html and "<img src=x" not in html
+
+
+def test_no_ice_and_absent_effects_are_said(bare: tuple[Run, str]):
+    run, html = bare
+    page = Page(html)
+    assert "There is no ice in this scene" in page.text
+    assert "Bonds broken" not in page.within("dt")
+    names = {figure["id"] for figure in page.every("figure")}
+    assert not [name for name in names if "bond" in name or "snow" in name or "column" in name]
+    absent = html[html.index("neither simulated") :].split("</p>")[0]
+    assert re.findall(r"<code>(\w+)</code>", absent) == [e for e in EFFECTS if e != "wind"]
+    assert not [key for key in scene_keys(run.scene) if key.path.startswith("column.")]
+
+
+def test_keys_that_differ_are_those_of_the_scene(run: Run):
+    differ = {key.path: key for key in scene_keys(run.scene) if key.differs}
+    assert set(differ) == {
+        "name",
+        "effects",
+        "seed",
+        "domain.x_min",
+        "domain.x_max",
+        "domain.y_min",
+        "domain.y_max",
+        "domain.spacing",
+        "packing.elements",
+        "time.windows",
+        "time.window",
+        "forcing.cyclone.wind_speed",
+        "report.title",
+        "report.text",
+        "report.dpi",
+    }
+    speed = differ["forcing.cyclone.wind_speed"]
+    assert (speed.value, speed.default, speed.unit) == ("12", "15", "m/s")
+    assert differ["domain.x_min"].value == "−1,600,000"
+
+
+def test_cost_adds_up_in_the_order_of_the_data(run: Run, tmp_path: Path):
+    head = "s\th:m:s\tmax_rss\n"
+    for name, row in (
+        ("grid/0000", "2.0\t0:00:02\t50.5"),
+        ("grid/0003", "3.0\t0:00:03\t60.5"),
+        ("mask", "1.5\t0:00:01\t-"),
+    ):
+        path = tmp_path / f"{name}.tsv"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(head + row + "\n")
+    numbers = read_numbers(run.folder / "diagnostics.json")
+    found = stages(sorted(tmp_path.rglob("*.tsv")), numbers)
+    names = [stage.name for stage in found]
+    assert names == ["mask", "window", "setup", "dynamics", "column", "exchange", "grid"]
+    grid = found[-1]
+    assert (grid.jobs, grid.seconds, grid.memory) == (2, 5.0, 60.5)
+    inner = sum(stage.seconds for stage in found if stage.inner)
+    assert inner == pytest.approx(found[1].seconds)
+    assert total_seconds(found) == pytest.approx(1.5 + 5.0 + inner)
+
+
+def test_benchmark_that_is_none_is_named(run: Run, tmp_path: Path):
+    path = tmp_path / "mask.tsv"
+    path.write_text("seconds\n3\n")
+    with pytest.raises(FloeError, match="mask.tsv: is no benchmark"):
+        stages([path], read_numbers(run.folder / "diagnostics.json"))
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"headline": {}}'])
+def test_headline_file_that_is_none_is_named(tmp_path: Path, text: str):
+    path = tmp_path / "diagnostics.json"
+    path.write_text(text)
+    with pytest.raises(FloeError, match="diagnostics.json: "):
+        read_numbers(path)
+
+
+def test_same_run_same_page(bare: tuple[Run, str]):
+    run, html = bare
+    assert report_of(run) == html
+
+
+def test_studies_have_a_section_where_there_are_any(bare: tuple[Run, str], tmp_path: Path):
+    run, html = bare
+    assert "Studies" not in Page(html).within("h2")
+    table = Table("Effects <b>", ("effect", "share (%)"), [["wind", 12.3456]], "A note.")
+    figure = Figure()
+    figure.subplots().plot([1, 2])
+    drawing = draw(tmp_path / "figures", "a_study", "A figure.", figure)
+    study = Study(HOSTILE, "Lead.", ["Said."], [drawing], [table])
+    write_study(study, tmp_path / "page.html", tmp_path / "digest.json", "")
+    shown = report_of(run, [tmp_path / "digest.json"])
+    assert "Studies" in Page(shown).within("h2")
+    assert 'id="a_study" class="wide"' in shown and drawing.uri in shown
+    assert "Effects &lt;b&gt;" in shown and "12.3" in shown and HOSTILE not in shown
+
+
+def test_missing_value_is_a_fault_not_a_gap():
+    with pytest.raises(Exception, match="undefined"):
+        render({"title": "x"})
+
+
+@pytest.mark.parametrize(
+    "value, digits, text",
+    [
+        (0.0, 4, "0"),
+        (1234.5678, 4, "1,235"),
+        (-0.012345, 3, "−0.0123"),
+        (2.0e9, 4, "2e9"),
+        (-1.25e-9, 3, "−1.25e−9"),
+        (12, 4, "12"),
+        (-4_000_000, 4, "−4,000,000"),
+        (836363.6, 3, "836,364"),
+        (float("nan"), 4, "–"),
+        (float("-inf"), 4, "–"),
+        (None, 4, "–"),
+        (0.5, 2, "0.5"),
+    ],
+)
+def test_numbers_as_they_are_read(value: float | None, digits: int, text: str):
+    assert number(value, digits) == text
+
+
+@pytest.mark.parametrize(
+    "seconds, text",
+    [
+        (432000.0, "5 days"),
+        (86400.0, "1 day"),
+        (129600.0, "36 hours"),
+        (3600.0, "1 hour"),
+        (24.7, "24.7 s"),
+        (0.0, "0 s"),
+    ],
+)
+def test_durations(seconds: float, text: str):
+    assert duration(seconds) == text

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The commands and lists around the set-up: lint, CI, help of make, lock, packages."""
+
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_lint_finds_a_type_error_in_every_package(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "setup", tmp_path / "setup")
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    (tmp_path / ".venv").symlink_to(sys.prefix)
+    packages = ("floeflow", "floeflow/column")
+    for package in packages:
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "__init__.py").touch()
+        (tmp_path / package / "planted.py").write_text("HEIGHT: int = 'tall'\n")
+    user = "from floeflow.column.planted import HEIGHT\n\nNAME: str = HEIGHT\n"
+    (tmp_path / "floeflow/user.py").write_text(user)
+    run = subprocess.run(
+        ["bash", tmp_path / "setup/lint.sh", "types"], capture_output=True, text=True
+    )
+    assert run.returncode == 1
+    for package in packages:
+        assert f"\n{package}/planted.py:1: error" in "\n" + run.stdout
+    assert "floeflow/user.py:3: error" in run.stdout
+    for file in [tmp_path / package / "planted.py" for package in packages]:
+        file.write_text("HEIGHT: int = 1\n")
+    (tmp_path / "floeflow/user.py").unlink()
+    clean = subprocess.run(
+        ["bash", tmp_path / "setup/lint.sh", "types"], capture_output=True, text=True
+    )
+    assert clean.returncode == 0, clean.stdout + clean.stderr
+
+
+def test_lint_of_the_workflow_tolerates_one_finding() -> None:
+    spec = importlib.util.spec_from_file_location("lint_workflow", ROOT / "setup/lint_workflow.py")
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    tolerated = (
+        "Lints for rule mask (line 3, Snakefile):\n"
+        f"    * {module.TOLERATED}:\n      This way, the used software is documented.\n"
+    )
+    assert module.intolerable(tolerated) == []
+    other = tolerated + "    * No log directive defined:\n      Without a log directive ...\n"
+    assert module.intolerable(other) == ["rule mask (line 3, Snakefile): No log directive defined"]
+
+
+def test_ci_runs_make_test_and_passes_its_exit_code_on(tmp_path: Path) -> None:
+    make = tmp_path / "bin/make"
+    make.parent.mkdir()
+    make.write_text(f'#!/bin/sh\necho "$PWD: make $*" >"{tmp_path}/called"\nexit 7\n')
+    make.chmod(0o755)
+    run = subprocess.run(
+        ["bash", ROOT / ".ci/run"],
+        cwd=tmp_path,
+        env=os.environ | {"PATH": f"{make.parent}:{os.environ['PATH']}"},
+    )
+    assert run.returncode == 7
+    assert (tmp_path / "called").read_text() == f"{ROOT}: make test\n"
+
+
+def test_every_target_of_make_has_its_line_of_help() -> None:
+    run = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
+    phony = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert phony
+    assert [line.split()[1] for line in run.stdout.splitlines()] == phony[1].split()
+
+
+def pinned() -> dict[str, str]:
+    """Return the entries of the lock, each with its hashes, by normalised name."""
+    entries: dict[str, str] = {}
+    for line in (ROOT / "setup/requirements.lock").read_text().splitlines():
+        if match := re.match(r"([a-z0-9-]+)==", line):
+            name = match[1]
+            entries[name] = line
+        elif line.startswith("    --hash"):
+            entries[name] += line
+    return entries
+
+
+def direct() -> list[str]:
+    """Return the names in the two lists of direct dependencies, normalised."""
+    files = ("requirements.in", "requirements-dev.in")
+    lines = [line for file in files for line in (ROOT / "setup" / file).read_text().splitlines()]
+    return [line.lower() for line in lines if line and not line.startswith("#")]
+
+
+def test_lock_pins_every_dependency_with_hashes_and_names_no_index() -> None:
+    entries = pinned()
+    assert set(direct()) <= set(entries)
+    assert all("--hash=sha256:" in entry for entry in entries.values())
+    text = (ROOT / "setup/requirements.lock").read_text()
+    assert "://" not in text
+    assert not re.search(r"^\s*-(?!-hash)", text, re.MULTILINE)
+
+
+def test_every_dependency_has_its_reason_and_licence() -> None:
+    text = (ROOT / "docs/dependencies.md").read_text()
+    rows = re.findall(r"^\| `([^`]+)` \| ([^|]{10,}) \| ([^|]{3,}) \|$", text, re.MULTILINE)
+    assert sorted(name.lower() for name, _, _ in rows if "apt:" not in name) == sorted(direct())
