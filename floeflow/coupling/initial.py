@@ -11,10 +11,9 @@ from floeflow.column.settings import column_settings
 from floeflow.coupling.initial_walls import wall_variables
 from floeflow.scene import stage_hash
 from floeflow.scene.blocks import Scene
-from floeflow.state import SCHEMA_VERSION, read_dataset, write_state
+from floeflow.state import SCHEMA_VERSION
 from floeflow.state.attributes import SCHEME_ATTRIBUTE
 from floeflow.state.schema import VARIABLES, expected_variables
-from floeflow.workflow import job as stage
 
 # Stages on which the state at the start depends.
 STAGES = ("land", "mask", "packing", "bonds", "initial")
@@ -94,16 +93,3 @@ def _columns(scene: Scene, packing: xr.Dataset) -> dict[str, np.ndarray]:
     snow = np.full(len(fraction), scene.mask.snow_thickness)
     surface = scene.column.initial_surface
     return first_columns(fraction, volume, snow, surface, column_settings(scene))
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``initial``."""
-    scene = stage.scene(snakemake)
-    packing = read_dataset(snakemake.input.packing)
-    bonds = read_dataset(snakemake.input.bonds) if "bonds" in scene.effects else None
-    state = make_state(scene, packing, bonds)
-    write_state(state, snakemake.output.state, scene.state.precision)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

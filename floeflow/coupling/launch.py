@@ -16,13 +16,10 @@ from typing import Any
 
 from floeflow.core import mpi
 from floeflow.core.errors import FloeError
-from floeflow.core.lock import hold_alone
 from floeflow.coupling import resume
 from floeflow.coupling.job import Job
 from floeflow.coupling.progress import show_progress
 from floeflow.scene import Scene, stage_hash
-from floeflow.state import read_state
-from floeflow.workflow import job as stage
 
 
 def fixed_hashes(scene: Scene, plugin: str | Path, ranks: int) -> dict[str, str]:
@@ -117,34 +114,3 @@ def warn_of_step(scene: Scene) -> None:
         text = f"dynamics.step_share is {share:g}: at such a time step the ice may blow up"
         logging.warning("%s", text)
         print(f"floeflow: warning: {text}", file=sys.stderr, flush=True)
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Run the rule."""
-    scene = stage.scene(snakemake)
-    folder = stage.scene_folder(snakemake)
-    windows = list(snakemake.params.windows)
-    warn_of_step(scene)
-    log = folder / "log/window" / f"{windows[-1]}.ranks.log"
-    fixed = fixed_hashes(scene, snakemake.input.plugin, snakemake.threads)
-    state_path = Path(snakemake.input.state)
-    lock = folder / resume.WORK / f"{windows[0]}.lock"
-    with hold_alone(lock, f"window {windows[0]} of {folder}"):
-        forcing = [str(path) for path in snakemake.input.forcing]
-        start = read_state(state_path)
-        _, todo, paths = resume.resume(start, windows, forcing, folder, fixed)
-        if len(todo) < len(windows):
-            done = windows[: len(windows) - len(todo)]
-            logging.info("windows %s are there already, from the same origin", ", ".join(done))
-            work = resume.work_folder(folder, done[-1])
-            state_path = work / resume.PARTS["state"]
-        if todo:
-            values = scene.model_dump(mode="json")
-            cells = str(snakemake.input.cells or "")
-            job = Job(values, str(state_path), todo, paths, str(folder), fixed, cells)
-            run_ranks(job, snakemake.threads, log)
-        resume.publish(folder, windows)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

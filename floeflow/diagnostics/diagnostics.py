@@ -32,8 +32,6 @@ from floeflow.diagnostics.collect import (
     summarise_grids,
     summarise_states,
 )
-from floeflow.state import write_dataset
-from floeflow.workflow import job as stage
 
 UNITS = {
     "boundary_time": ("s", "time since the scene's start"),
@@ -260,18 +258,3 @@ def diagnose(
         "window_seconds": stages,
         "states": states,
     }
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``diagnostics``."""
-    scene = stage.scene(snakemake)
-    folder = Path(snakemake.input.states[0]).parent.parent
-    windows = [int(window) for window in snakemake.params.windows]
-    grids = [Path(path) for path in snakemake.input.grids]
-    data, numbers = diagnose(folder, windows, grids, scene.effects)
-    write_dataset(data, snakemake.output.dataset)
-    write_json(numbers, Path(snakemake.output.headline))
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

@@ -9,7 +9,6 @@ elements' totals (docs/theory/remap.md). What lies outside of the grid is writte
 import logging
 import math
 from functools import partial
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -19,14 +18,12 @@ from numpy.typing import NDArray
 from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_grid
-from floeflow.diagnostics.cf_output import describe, write_grid
+from floeflow.diagnostics.cf_output import describe
 from floeflow.scene import Scene
-from floeflow.state import read_dataset, read_state
 from floeflow.state.schema import MOBILE
 from floeflow.transfer import ROOM, Field, Grid, Room, build_remapper, build_room, carry, near_cells
 from floeflow.transfer.stencil import Array
 from floeflow.transfer.weights import CONDITION_LIMIT
-from floeflow.workflow import job as stage
 
 log = logging.getLogger(__name__)
 
@@ -212,20 +209,3 @@ def make_grid(scene: Scene, state: xr.Dataset, mask: xr.Dataset) -> xr.Dataset:
     room = sea_room(mask, grid, hat_reach(state, grid))
     fields = gridded_fields(state, room, scene.grid.transfer)
     return describe(scene, state, fields, (area, room.area))
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``grid``."""
-    scene = stage.scene(snakemake)
-    state = read_state(snakemake.input.state)
-    data = make_grid(scene, state, read_dataset(snakemake.input.mask))
-    write_grid(data, Path(str(snakemake.output.grid)))
-    for name, unit, size in (("siarea", "km2", 1e6), ("sivolume", "km3", 1e9)):
-        left, gone = (float(data[f"{name}_{what}"][0]) / size for what in ("residual", "outside"))
-        log.info(
-            "%s: grid minus elements %.3g %s, off the grid %.4g %s", name, left, unit, gone, unit
-        )
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

@@ -14,9 +14,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core.polygons import Outlines, body_outlines, carried_outlines, own_outlines
-from floeflow.diagnostics.collect import window_file
-from floeflow.state import read_dataset, read_state
-from floeflow.workflow import job as stage
 
 log = logging.getLogger(__name__)
 
@@ -99,18 +96,3 @@ def write_meshes(
         write_polygons(path, outlines.start, outlines.x, outlines.y, cell_fields(state))
         times.append(float(state.attrs["time"]))
     write_series(series, [path.name for path in paths], times)
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``mesh_files``."""
-    folder = Path(snakemake.input.states[0]).parent
-    windows = (0, *(int(window) for window in snakemake.params.windows))
-    paths = [Path(path) for path in snakemake.output.meshes]
-    states = (read_state(window_file(folder, window, ".nc")) for window in windows)
-    packing = read_dataset(snakemake.input.packing)
-    write_meshes(packing, states, paths, Path(str(snakemake.output.series)))
-    log.info("%d meshes of %d elements", len(paths), packing.sizes["element"])
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

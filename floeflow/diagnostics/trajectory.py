@@ -18,16 +18,14 @@ from numpy.typing import NDArray
 from floeflow.core.atomic_write import write_whole
 from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.core.errors import FloeError
-from floeflow.diagnostics.collect import intact, window_file
+from floeflow.diagnostics.collect import intact
 from floeflow.diagnostics.drift import (
     drift_distance,
     mean_squared_displacement,
     relative_dispersion,
 )
 from floeflow.scene.blocks import Domain
-from floeflow.state import read_state, write_dataset
 from floeflow.state.schema import MOBILE
-from floeflow.workflow import job as stage
 
 if TYPE_CHECKING:
     import MDAnalysis
@@ -269,23 +267,3 @@ def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
         attrs = {"units": "m2", "long_name": text}
         data["relative_dispersion"] = ("time", relative_dispersion(x, y, pairs), attrs)
     return data
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``trajectory_files``."""
-    domain = stage.scene(snakemake).domain
-    folder = Path(snakemake.input.states[0]).parent
-    windows = (0, *(int(window) for window in snakemake.params.windows))
-    frames = make_frames(read_state(window_file(folder, window, ".nc")) for window in windows)
-    write_dump(frames, domain, Path(str(snakemake.output.trajectory)))
-    statistics = drift_statistics(frames)
-    write_dataset(statistics, snakemake.output.drift)
-    gone = statistics["drift_distance"].values[-1]
-    log.info(
-        "%d elements in %d frames; the mobile ones went %.4g km on average, %.4g km at most",
-        *(frames.sizes["element"], len(windows), gone.mean() / 1e3, gone.max() / 1e3),
-    )
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

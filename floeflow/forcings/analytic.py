@@ -19,7 +19,6 @@ from floeflow.core.times import window_span
 from floeflow.forcings import cf_variables as names
 from floeflow.scene.blocks import Cyclone, Gyre, Scene, Weather
 from floeflow.scene.effects import forcing_variables
-from floeflow.workflow import job as stage
 
 Array = NDArray[np.float64]
 
@@ -202,13 +201,3 @@ def write_cf(data: xr.Dataset, path: Path) -> None:
         encoding[str(name)] |= {"zlib": True, "complevel": 1}
     with write_whole(path) as temporary:
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``analytic``."""
-    scene = stage.scene(snakemake)
-    write_cf(make_analytic(scene, int(snakemake.wildcards.window)), Path(snakemake.output.forcing))
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

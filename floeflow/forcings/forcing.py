@@ -27,8 +27,6 @@ from floeflow.forcings.inputs import SUBSTITUTES, check_axis, check_cover, forci
 from floeflow.forcings.moisture import dew_point_humidity, snow_of_precipitation
 from floeflow.scene.blocks import Scene
 from floeflow.scene.effects import forcing_variables
-from floeflow.state import write_dataset
-from floeflow.workflow import job as stage
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -289,14 +287,3 @@ def make_forcing(scene: Scene, path: str | Path, window: int) -> xr.Dataset:
         "y": ("y", grid.y, {"units": "m"}),
     }
     return xr.Dataset(data_vars, coords=coords, attrs={"crs": scene.domain.crs})
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``forcing``."""
-    scene = stage.scene(snakemake)
-    window = int(snakemake.wildcards.window)
-    write_dataset(make_forcing(scene, snakemake.input.source, window), snakemake.output.forcing)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

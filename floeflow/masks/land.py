@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 
 from floeflow.core.grids import Grid, mask_grid, scene_crs, to_lonlat
 from floeflow.scene.blocks import Scene
-from floeflow.state import write_dataset
-from floeflow.workflow import job as stage
 
 Array = NDArray[np.float64]
 
@@ -71,13 +69,3 @@ def make_land(scene: Scene) -> xr.Dataset:
         coords={"x": ("x", grid.x, {"units": "m"}), "y": ("y", grid.y, {"units": "m"})},
         attrs={"crs": scene.domain.crs},
     )
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``land``."""
-    scene = stage.scene(snakemake)
-    write_dataset(make_land(scene), snakemake.output.land)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

@@ -18,8 +18,6 @@ from floeflow.core.errors import FloeError
 from floeflow.core.grids import cell_area, mask_grid, scene_crs, to_lonlat
 from floeflow.forcings.inputs import find_concentration, nearest_time
 from floeflow.scene.blocks import Scene
-from floeflow.state import read_dataset, write_dataset
-from floeflow.workflow import job as stage
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -229,16 +227,3 @@ def _dataset(
         coords={"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})},
         attrs={"crs": scene.domain.crs},
     )
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``mask``."""
-    scene = stage.scene(snakemake)
-    land = None
-    if scene.mask.land == "global_land_mask":
-        land = read_dataset(snakemake.input.land)["land_fraction"].values
-    write_dataset(make_mask(scene, land), snakemake.output.mask)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 
 from floeflow.core.grids import Grid
 from floeflow.packings.tessellation import power_diagram
-from floeflow.state import read_dataset, write_dataset
 from floeflow.state.bonds import new_bonds
 from floeflow.state.elements import joint_thickness
 from floeflow.state.schema import COAST, VARIABLES
-from floeflow.workflow import job as stage
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -149,16 +147,3 @@ def make_bonds(
         *(len(lo), sum(len(edges.lo) for edges in kinds), len(lo) - len(bonded[0].lo)),
     )
     return xr.Dataset({names[name]: ("bond", values) for name, values in table.items()})
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``bonds``."""
-    scene = stage.scene(snakemake)
-    keys = scene.packing
-    packing = read_dataset(snakemake.input.packing)
-    bonds = make_bonds(packing, keys.bond_gap, keys.bond_concentration, keys.coast_bonds)
-    write_dataset(bonds, snakemake.output.bonds)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

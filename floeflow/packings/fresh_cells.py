@@ -17,10 +17,8 @@ from scipy.spatial import cKDTree
 from floeflow.core.grids import Grid
 from floeflow.packings import discs, points, tessellation
 from floeflow.packings.packing import grid_of, ordered
-from floeflow.state import read_dataset, write_dataset
 from floeflow.state.cells import rings_of
 from floeflow.state.schema import MOBILE
-from floeflow.workflow import job as stage
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -149,14 +147,3 @@ def _dataset(
         | {"cell_x": ("vertex", ring[:, 0]), "cell_y": ("vertex", ring[:, 1])}
         | {name: ("edge", values) for name, values in sides.items()}
     )
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``cells``."""
-    scene = stage.scene(snakemake)
-    mask, packing = read_dataset(snakemake.input.mask), read_dataset(snakemake.input.packing)
-    write_dataset(make_cells(mask, packing, scene.seed), snakemake.output.cells)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

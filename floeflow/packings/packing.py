@@ -18,9 +18,7 @@ from numpy.typing import NDArray
 from floeflow.core.grids import Grid
 from floeflow.packings import discs, points, tessellation
 from floeflow.scene.blocks import Packing
-from floeflow.state import read_dataset, write_dataset
 from floeflow.state.schema import COAST, MOBILE
-from floeflow.workflow import job as stage
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -253,15 +251,3 @@ def _dataset(mask: xr.Dataset, places: Array, radius: Array, elements: Elements)
         | {name: ("edge", values) for name, values in edges.items()},
         attrs=attrs,
     )
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``packing``."""
-    scene = stage.scene(snakemake)
-    mask = read_dataset(snakemake.input.mask)
-    made = make_packing(mask, scene.packing, scene.seed, "coast" in scene.effects)
-    write_dataset(made, snakemake.output.packing)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

@@ -14,17 +14,12 @@ from typing import Any
 import jinja2
 import xarray as xr
 
-from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.diagnostics import run_cost as expense
-from floeflow.diagnostics.collect import read_grid
-from floeflow.diagnostics.study_summaries import read_digest
 from floeflow.report import report_figures as gallery
 from floeflow.report import report_text as wording
 from floeflow.report.figures.frame import Frame
 from floeflow.scene import Scene
-from floeflow.state import read_dataset, read_state
-from floeflow.workflow import job as stage
 
 TEMPLATE = Path(__file__).with_name("templates") / "report.html.j2"
 
@@ -155,29 +150,3 @@ def read_numbers(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict) or not {"headline", "budgets", "states"} <= set(data):
         raise FloeError(f"{path}: holds no headline numbers, budgets and states")
     return data
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``report``."""
-    scene = stage.scene(snakemake)
-    given = snakemake.input
-    grids = [read_grid(Path(path)) for path in (*given.grids[:1], *given.grids[-1:])]
-    material = Material(
-        diagnostics=read_dataset(given.diagnostics),
-        numbers=read_numbers(Path(given.headline)),
-        first_state=read_state(given.first_state),
-        last_state=read_state(given.last_state),
-        first_grid=grids[0] if grids else None,
-        last_grid=grids[-1] if grids else None,
-        mask=read_dataset(given.mask),
-        packing=read_dataset(given.packing),
-        benchmarks=[Path(path) for path in given.benchmarks],
-        estimates=json.loads(Path(given.estimates).read_text(encoding="utf-8")),
-        studies=[read_digest(Path(path)) for path in snakemake.params.studies],
-    )
-    page = build_report(scene, material, Path(snakemake.output.figures))
-    write_text(page, Path(snakemake.output.report))
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

@@ -35,8 +35,8 @@ class Snakemake(Protocol):
     threads: int
 
 
-def run(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
-    """Run a stage: logging to its log, a fault as one sentence, exit code 1."""
+def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
+    """Run a rule's script: logging to its log, a fault as one sentence, exit code 1."""
     log = Path(str(snakemake.log[0]))
     log.parent.mkdir(parents=True, exist_ok=True)
     form = "%(asctime)s %(name)s %(levelname)s %(message)s"
@@ -64,7 +64,7 @@ def cpu_seconds() -> float:
     return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
 
 
-def scene(snakemake: Snakemake) -> Scene:
+def scene_of(snakemake: Snakemake) -> Scene:
     """Scene of the running stage."""
     return load_scene(snakemake.config["scene"])
 

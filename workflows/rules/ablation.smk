@@ -31,4 +31,4 @@ rule ablation_page:
     message:
         "Ablation: real change and saving of each effect beside the estimate"
     script:
-        "../../floeflow/analysis/studies/ablation_page.py"
+        "../../studies/ablation_page.py"

@@ -32,4 +32,4 @@ rule accuracy_page:
     message:
         "Accuracy: error against cost, orders, recommendations"
     script:
-        "../../floeflow/analysis/studies/accuracy_page.py"
+        "../../studies/accuracy_page.py"

@@ -28,4 +28,4 @@ rule window:
     message:
         "Windows {params.windows}: dynamics and column on {threads} ranks"
     script:
-        "../../floeflow/coupling/launch.py"
+        "../../simulate/window.py"

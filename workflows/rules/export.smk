@@ -38,7 +38,7 @@ rule trajectory_files:
     message:
         "Trajectory: the elements through all states, and their drift"
     script:
-        "../../floeflow/diagnostics/trajectory.py"
+        "../../postprocess/trajectory_files.py"
 
 
 rule mesh_files:
@@ -66,4 +66,4 @@ rule mesh_files:
     message:
         "Mesh: the elements' cells at all window boundaries"
     script:
-        "../../floeflow/diagnostics/mesh_series.py"
+        "../../postprocess/mesh_files.py"

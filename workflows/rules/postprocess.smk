@@ -20,7 +20,7 @@ rule grid:
     message:
         "Grid: state {wildcards.window} on the scene's grid"
     script:
-        "../../floeflow/diagnostics/gridded.py"
+        "../../postprocess/grid.py"
 
 
 rule diagnostics:
@@ -48,7 +48,7 @@ rule diagnostics:
     message:
         "Diagnostics: series, budgets and their residuals"
     script:
-        "../../floeflow/diagnostics/diagnostics.py"
+        "../../postprocess/diagnostics.py"
 
 
 rule report:
@@ -78,4 +78,4 @@ rule report:
     message:
         "Report: maps, series, budgets and cost of the scene"
     script:
-        "../../floeflow/report/report.py"
+        "../../postprocess/report.py"

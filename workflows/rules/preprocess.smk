@@ -17,7 +17,7 @@ rule land:
     message:
         "Land: share of each mask cell on the 1 km land mask"
     script:
-        "../../floeflow/masks/land.py"
+        "../../preprocess/land.py"
 
 
 rule mask:
@@ -38,7 +38,7 @@ rule mask:
     message:
         "Mask: ice concentration and thickness of {input.source} on the scene's grid"
     script:
-        "../../floeflow/masks/mask.py"
+        "../../preprocess/mask.py"
 
 
 rule estimate:
@@ -58,7 +58,7 @@ rule estimate:
     message:
         "Estimate: what each effect would change and cost"
     script:
-        "../../floeflow/analysis/estimate/rule.py"
+        "../../preprocess/estimate.py"
 
 
 rule packing:
@@ -78,7 +78,7 @@ rule packing:
     message:
         "Packing: elements over the ice, their cells and radii"
     script:
-        "../../floeflow/packings/packing.py"
+        "../../preprocess/packing.py"
 
 
 rule cells:
@@ -99,7 +99,7 @@ rule cells:
     message:
         "Cells: the sea around the ice, for remapping"
     script:
-        "../../floeflow/packings/fresh_cells.py"
+        "../../preprocess/cells.py"
 
 
 rule bonds:
@@ -119,7 +119,7 @@ rule bonds:
     message:
         "Bonds: glue lines between neighbours"
     script:
-        "../../floeflow/packings/bonds.py"
+        "../../preprocess/bonds.py"
 
 
 rule analytic:
@@ -137,7 +137,7 @@ rule analytic:
     message:
         "Forcing: cyclone, gyre and weather of window {wildcards.window}"
     script:
-        "../../floeflow/forcings/analytic.py"
+        "../../preprocess/analytic.py"
 
 
 rule forcing:
@@ -157,7 +157,7 @@ rule forcing:
     message:
         "Forcing: {input.source} on the scene's grid, window {wildcards.window}"
     script:
-        "../../floeflow/forcings/forcing.py"
+        "../../preprocess/forcing.py"
 
 
 rule initial:
@@ -179,4 +179,4 @@ rule initial:
     message:
         "State 0: elements and bonds at the start"
     script:
-        "../../floeflow/coupling/initial.py"
+        "../../preprocess/initial.py"

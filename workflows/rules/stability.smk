@@ -53,4 +53,4 @@ rule stability_page:
     message:
         "Stability: what the hard cases showed"
     script:
-        "../../floeflow/analysis/studies/stability_page.py"
+        "../../studies/stability_page.py"

@@ -25,4 +25,4 @@ rule variant:
     message:
         "Study {wildcards.study}: {wildcards.variant}"
     script:
-        "../../floeflow/analysis/studies/variant.py"
+        "../../studies/variant.py"

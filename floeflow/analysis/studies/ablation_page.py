@@ -1,16 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Page of the ablation study: what each effect changes and costs, measured beside estimated."""
 
-import json
-from pathlib import Path
-
-from floeflow.analysis.estimate.choose import OUTPUT, scene_estimates
-from floeflow.analysis.studies.ablation_figure import ablation_figure
-from floeflow.analysis.studies.ablation_table import Ablation, ablation_table
-from floeflow.diagnostics.diagnostics import write_json
-from floeflow.report.study_page import Study, Table, draw, write_study
+from floeflow.analysis.estimate.choose import OUTPUT
+from floeflow.analysis.studies.ablation_table import Ablation
+from floeflow.report.study_page import Table
 from floeflow.scene import Scene
-from floeflow.workflow import job as stage
 
 LEAD = (
     "Each effect of the scene was left out once, and the results compared with the run that has "
@@ -69,25 +63,3 @@ def sentences(study: Ablation, scene: Scene) -> list[str]:
             f"{100 * study.lean_share:.3g} %."
         )
     return said
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``ablation_page``."""
-    scene = stage.scene(snakemake)
-    records = [json.loads(Path(path).read_text()) for path in snakemake.input.records]
-    study = ablation_table(scene, records, scene_estimates(scene))
-    write_json(study.as_dict(), Path(str(snakemake.output.table)))
-    caption = (
-        "Influence of each effect (shaded: chaos alone; dashed: needed above) and CPU time saved "
-        "without it."
-    )
-    figures = Path(str(snakemake.output.figures))
-    drawings = [draw(figures, "ablation", caption, ablation_figure(study))]
-    title = f"Ablation of {scene.report.title or scene.name}"
-    said = Study(title, LEAD, sentences(study, scene), drawings, [effect_table(study)])
-    out = snakemake.output
-    write_study(said, Path(out.page), Path(out.digest), snakemake.params.study_keys)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

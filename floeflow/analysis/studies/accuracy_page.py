@@ -1,24 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Page of the accuracy study: error against cost, orders of convergence, recommendations."""
 
-import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
-from pathlib import Path
 
-from floeflow.analysis.studies.accuracy_figure import accuracy_figure, is_felt
 from floeflow.analysis.studies.accuracy_plan import KEPT as SAME
 from floeflow.analysis.studies.accuracy_plan import TOGETHER
-from floeflow.analysis.studies.accuracy_table import Accuracy, analyse, as_dataset
+from floeflow.analysis.studies.accuracy_table import Accuracy
 from floeflow.analysis.studies.knobs import knobs
 from floeflow.analysis.studies.measures import KEPT, NORMS
 from floeflow.analysis.studies.recommend import Setting, most_accurate, quieted, recommend
-from floeflow.diagnostics.diagnostics import write_json
-from floeflow.report.study_page import Study, Table, draw, write_study
+from floeflow.report.study_page import Table
 from floeflow.scene import Scene
-from floeflow.state import write_dataset
-from floeflow.workflow import job as stage
 
 LEAD = (
     "Each knob was varied alone, and all together; the error of a knob's runs is against the limit "
@@ -97,56 +90,3 @@ def run_table(study: Accuracy) -> Table:
         rows.append([name, p.level, p.work, p.cpu, p.element_steps, *errors])
     note = "Work, CPU and element-steps relative to the default run; errors in per cent."
     return Table("All runs", head, rows, note)
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``accuracy_page``."""
-    scene = stage.scene(snakemake)
-    records = [json.loads(Path(path).read_text()) for path in snakemake.input.records]
-    study = analyse(scene, records)
-    write_dataset(as_dataset(study, scene), snakemake.output.data)
-    chosen = [
-        {
-            "wanted": target,
-            "same_elements": same,
-            "setting": setting and {**asdict(setting), "levels": dict(setting.levels)},
-        }
-        for target, same, setting in recommendations(study, scene)
-    ]
-    orders = [asdict(row) for row in study.orders]
-    write_json(
-        {"recommended": chosen, "orders": orders, "chaos": dict(study.chaos)},
-        Path(str(snakemake.output.table)),
-    )
-    figures = Path(str(snakemake.output.figures))
-    drawings = {
-        norm: draw(
-            figures,
-            f"accuracy_{norm}",
-            f"{NORMS[norm].label}: error over work.",
-            accuracy_figure(study, norm),
-        )
-        for norm in NORMS
-        if is_felt(study, norm)
-    }
-    said = [
-        f"The default run's element model and column take {study.seconds:.3g} s of CPU time; "
-        f"repeats differ by {100 * study.noise:.2g} %.",
-        "A nudge of 1e-9 moves positions by "
-        f"{100 * study.chaos['drift']:.2g} % of the drift: errors below that are chaos.",
-    ]
-    found = Study(
-        f"Accuracy and cost of {scene.report.title or scene.name}",
-        LEAD,
-        said,
-        [drawing for norm, drawing in drawings.items() if norm in KEPT],
-        [recommendation_table(study, scene), order_table(study)],
-        [drawing for norm, drawing in drawings.items() if norm not in KEPT],
-        [run_table(study)],
-    )
-    out = snakemake.output
-    write_study(found, Path(out.page), Path(out.digest), snakemake.params.study_keys)
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

@@ -1,15 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Page of the hard cases: what each one showed, in one table and two figures."""
 
-import json
-import logging
-from pathlib import Path
 from typing import Any
 
-from floeflow.analysis.studies.stability_figure import residual_figure, stability_map
-from floeflow.core.atomic_write import write_text
-from floeflow.report.study_page import Study, Table, as_markdown, cell, draw, write_study
-from floeflow.workflow import job as stage
+from floeflow.report.study_page import Table, cell
 
 LEAD = (
     "Each hard case must stay finite, lose nothing, make no energy and keep its bounds. Why each "
@@ -71,31 +65,3 @@ def residuals(shown: list[Shown]) -> dict[str, float]:
         for entry in shown
         if (value := entry["figures"].get("residual")) is not None
     }
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``stability_page``."""
-    shown = [e for path in snakemake.input.records for e in json.loads(Path(path).read_text())]
-    folder = Path(str(snakemake.output.figures))
-    caption = "Energy that no term of the budget accounts for; dashed: what may be missed."
-    drawings = [draw(folder, "residuals", caption, residual_figure(residuals(shown)))]
-    for entry in shown:
-        if found := entry["figures"].get("map"):
-            figure = stability_map(found["panels"], found["dampings"], found["default"])
-            caption = (
-                "Largest time step at which no energy grows, over the critical one, of packs that "
-                "bonds hold together and of packs of contacts pressed into a frame."
-            )
-            drawings.append(draw(folder, "stability_map", caption, figure))
-    table = case_table(shown)
-    out = snakemake.output
-    study = Study("Hard cases", LEAD, sentences(shown), drawings, [summary(shown)], (), [table])
-    write_study(study, Path(out.page), Path(out.digest), keys="")
-    write_text(as_markdown(table) + "\n", Path(out.table))
-    for entry in shown:
-        if entry["outcome"] == "failed":
-            logging.error("%s: %s failed", entry["module"], entry["test"])
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

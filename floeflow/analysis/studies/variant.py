@@ -12,10 +12,8 @@ from floeflow.analysis.studies.nested import Outcome, read_outcome, run_scene
 from floeflow.analysis.studies.share import link_shared
 from floeflow.analysis.studies.variants import BASE, Variant, variant_keys, write_variant
 from floeflow.core.errors import FloeError
-from floeflow.diagnostics.diagnostics import write_json
 from floeflow.scene import Scene
 from floeflow.scene.load import load_scene
-from floeflow.workflow import job as stage
 
 # Ice does not drift faster: such a run is unstable though it ended.
 FASTEST = 5.0  # m/s
@@ -69,16 +67,3 @@ def run_variant(path: Path, scene: Scene, study: str, variant: Variant) -> dict[
         "cpu_seconds": outcome.cpu_seconds,
         "results": found,
     }
-
-
-def main(snakemake: stage.Snakemake) -> None:
-    """Rule ``variant``."""
-    scene = stage.scene(snakemake)
-    variant = Variant.from_text(snakemake.params.variant)
-    study = str(snakemake.wildcards.study)
-    record = run_variant(Path(snakemake.config["scene"]), scene, study, variant)
-    write_json(record, Path(str(snakemake.output.record)))
-
-
-if "snakemake" in globals():
-    stage.run(main, globals()["snakemake"])

@@ -25,7 +25,7 @@ from floeflow.analysis.estimate.dimensionless_numbers import (
 from floeflow.analysis.estimate.drift import run_drift
 from floeflow.analysis.estimate.ice import open_water_loss, run_ice
 from floeflow.analysis.estimate.influence import influence, without
-from floeflow.analysis.estimate.rule import estimates
+from floeflow.analysis.estimate.summary import estimates
 from floeflow.scene import load_scene
 from floeflow.scene.effects import EFFECTS
 

@@ -15,8 +15,9 @@ import xarray as xr
 from floeflow.core.errors import FloeError
 from floeflow.diagnostics.budgets import Limits, relative, verdict
 from floeflow.diagnostics.collect import displacement, read_cost, summarise_grids, window_file
-from floeflow.diagnostics.diagnostics import diagnose, main, write_json
+from floeflow.diagnostics.diagnostics import diagnose, write_json
 from floeflow.state import read_dataset, read_state, write_dataset
+from support.scripts import load_script
 from support.synthetic import WINDOW, Run, make_run
 
 
@@ -261,7 +262,7 @@ def test_main_finds_the_inner_windows_of_a_group(copy: Run):
             dataset=str(folder / "diagnostics.nc"), headline=str(folder / "diagnostics.json")
         ),
     )
-    main(given)
+    load_script("postprocess/diagnostics").main(given)
     data = read_dataset(folder / "diagnostics.nc")
     expected, numbers = results(copy)
     assert data["window"].values.tolist() == [1, 2, 3]

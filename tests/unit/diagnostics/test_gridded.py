@@ -13,13 +13,13 @@ import xarray as xr
 
 from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.core.errors import FloeError
-from floeflow.diagnostics import gridded as stage_module
 from floeflow.diagnostics.budgets import grid_budget
 from floeflow.diagnostics.cf_output import write_grid
 from floeflow.diagnostics.gridded import gridded_fields, hat_reach, make_grid, sea_room
 from floeflow.scene import load_scene
 from floeflow.state import write_dataset, write_state
 from floeflow.transfer import Grid
+from support.scripts import load_script
 
 CELL, SIZE, REFINE = 1.0e5, 8, 4
 X0, Y0 = -4.0e5, 2.0e5
@@ -352,7 +352,7 @@ def test_rule_writes_the_same_bytes_twice(scene, tmp_path, caplog):
             config={"scene": str(tmp_path / "scene.yaml")},
         )
         with caplog.at_level(logging.INFO):
-            stage_module.main(rule)
+            load_script("postprocess/grid").main(rule)
         assert "siarea: grid minus elements" in caplog.text
         files.append((tmp_path / name).read_bytes())
     assert files[0] == files[1]

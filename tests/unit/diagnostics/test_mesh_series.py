@@ -13,9 +13,9 @@ import shapely
 from floeflow.core.errors import FloeError
 from floeflow.core.meshes import write_polygons, write_series
 from floeflow.core.polygons import DISC_CORNERS, body_outlines, carried_outlines
-from floeflow.diagnostics import mesh_series as mesh
 from floeflow.diagnostics.mesh_series import cell_fields, write_meshes
 from floeflow.state import read_dataset, read_state
+from support.scripts import load_script
 from support.synthetic import make_run
 
 
@@ -207,7 +207,7 @@ def test_meshes_that_cannot_be_written_leave_nothing(tmp_path):
 def test_rule_writes_a_mesh_for_each_window_of_a_group(run, written, tmp_path):
     meshes = [tmp_path / f"{window:04d}.vtu" for window in (0, *run.windows)]
     ends = [run.path("state", window) for window in (0, run.windows[-1])]
-    mesh.main(
+    load_script("postprocess/mesh_files").main(
         SimpleNamespace(
             input=SimpleNamespace(
                 packing=str(run.folder / "preprocess" / "packing.nc"),
@@ -226,7 +226,7 @@ def test_rule_writes_a_mesh_for_each_window_of_a_group(run, written, tmp_path):
 def test_one_module_imports_meshio(project):
     found = [
         path.relative_to(project).as_posix()
-        for folder in ("floeflow", "preprocess", "dynamics", "column", "postprocess")
+        for folder in ("floeflow", "preprocess", "simulate", "postprocess", "studies")
         for path in (project / folder).rglob("*.py")
         if re.search(r"^\s*(import|from) meshio", path.read_text(), re.MULTILINE)
     ]

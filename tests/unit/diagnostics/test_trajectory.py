@@ -9,9 +9,9 @@ import pytest
 import xarray as xr
 
 from floeflow.core.errors import FloeError
-from floeflow.diagnostics import trajectory
 from floeflow.diagnostics.trajectory import drift_statistics, make_frames, make_universe, write_dump
 from floeflow.state import read_dataset, read_state, write_state
+from support.scripts import load_script
 from support.synthetic import make_run, masses
 
 with warnings.catch_warnings():
@@ -184,7 +184,7 @@ def rule(run, folder):
 
 def test_rule_reads_the_inner_windows_of_a_group_too(run, frames, tmp_path):
     snakemake = rule(run, tmp_path)
-    trajectory.main(snakemake)
+    load_script("postprocess/trajectory_files").main(snakemake)
     universe = MDAnalysis.Universe(snakemake.output.trajectory, dt=1.0)
     assert [moment.time for moment in universe.trajectory] == frames["time"].values.tolist()
     xr.testing.assert_allclose(read_dataset(snakemake.output.drift), drift_statistics(frames))
@@ -194,7 +194,7 @@ def test_rule_names_an_inner_window_that_is_missing(tmp_path):
     run = make_run(tmp_path / "run", effects=("wind",))
     run.path("state", 2).unlink()
     with pytest.raises(FloeError, match=r"0002.nc: there is no such file, so window 2 is not"):
-        trajectory.main(rule(run, tmp_path))
+        load_script("postprocess/trajectory_files").main(rule(run, tmp_path))
 
 
 def test_masses_without_ice_are_zero(states, tmp_path):

@@ -15,14 +15,13 @@ import pytest
 from matplotlib.figure import Figure
 
 from floeflow.core.errors import FloeError
-from floeflow.diagnostics import diagnostics
 from floeflow.diagnostics.run_cost import stages, total_seconds
-from floeflow.report import report
 from floeflow.report.report import read_numbers, render
 from floeflow.report.report_text import duration, number, scene_keys, with_unit
 from floeflow.report.study_page import Study, Table, draw, write_study
 from floeflow.scene.effects import EFFECTS
 from floeflow.state import read_state, write_state
+from support.scripts import load_script
 from support.synthetic import Run, make_run
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
@@ -109,7 +108,7 @@ def report_of(run: Run, studies: Sequence[Path] = ()) -> str:
         "diagnostics": str(folder / "diagnostics.nc"),
         "headline": str(folder / "diagnostics.json"),
     }
-    diagnostics.main(
+    load_script("postprocess/diagnostics").main(
         SimpleNamespace(
             input=SimpleNamespace(
                 states=[str(run.path("state", 0)), str(run.path("state", last))],
@@ -136,7 +135,7 @@ def report_of(run: Run, studies: Sequence[Path] = ()) -> str:
         config=config,
     )
     Path(given.input.estimates).write_text(json.dumps(ESTIMATES))
-    report.main(given)
+    load_script("postprocess/report").main(given)
     return (folder / "report.html").read_text(encoding="utf-8")
 
 

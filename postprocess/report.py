@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Rule ``report``: the report."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from floeflow.core.atomic_write import write_text
+from floeflow.diagnostics.collect import read_grid
+from floeflow.diagnostics.study_summaries import read_digest
+from floeflow.report.report import Material, build_report, read_numbers
+from floeflow.state import read_dataset, read_state
+from floeflow.workflow.job import Snakemake, run_script, scene_of
+
+
+def main(snakemake: Snakemake) -> None:
+    """Run the rule."""
+    scene = scene_of(snakemake)
+    given = snakemake.input
+    grids = [read_grid(Path(path)) for path in (*given.grids[:1], *given.grids[-1:])]
+    material = Material(
+        diagnostics=read_dataset(given.diagnostics),
+        numbers=read_numbers(Path(given.headline)),
+        first_state=read_state(given.first_state),
+        last_state=read_state(given.last_state),
+        first_grid=grids[0] if grids else None,
+        last_grid=grids[-1] if grids else None,
+        mask=read_dataset(given.mask),
+        packing=read_dataset(given.packing),
+        benchmarks=[Path(path) for path in given.benchmarks],
+        estimates=json.loads(Path(given.estimates).read_text(encoding="utf-8")),
+        studies=[read_digest(Path(path)) for path in snakemake.params.studies],
+    )
+    page = build_report(scene, material, Path(snakemake.output.figures))
+    write_text(page, Path(snakemake.output.report))
+
+
+if __name__ == "__main__":
+    run_script(main, snakemake)

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Rule ``mask``: ice concentration and thickness on the mask grid, from the ice mask."""
+
+from __future__ import annotations
+
+from floeflow.masks.mask import make_mask
+from floeflow.state import read_dataset, write_dataset
+from floeflow.workflow.job import Snakemake, run_script, scene_of
+
+
+def main(snakemake: Snakemake) -> None:
+    """Run the rule."""
+    scene = scene_of(snakemake)
+    land = None
+    if scene.mask.land == "global_land_mask":
+        land = read_dataset(snakemake.input.land)["land_fraction"].values
+    write_dataset(make_mask(scene, land), snakemake.output.mask)
+
+
+if __name__ == "__main__":
+    run_script(main, snakemake)
