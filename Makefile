@@ -64,7 +64,7 @@ studies: setup ## ablation and accuracy of the example scenes, and docs/studies.
 	        .venv/bin/snakemake --profile workflows/profiles/local --keep-going \
 	            --config scene=config/scenes/$$scene.yaml -- $$study; \
 	    done; done
-	.venv/bin/python -m floeflow.analysis.plan --refit
+	.venv/bin/floeflow plan --refit
 	.venv/bin/python -m floeflow.analysis.studies.document
 
 doctor: ## say what is there and what is missing, and try a probe of the plugin

@@ -15,6 +15,9 @@ check_types() {
     "$bin/mypy" --no-error-summary --cache-dir "$root/build/cache/mypy" --package floeflow
 }
 
+# Layers of the library: what may import what, imports inside of functions counted.
+check_imports() { "$bin/lint-imports" --no-cache >build/imports.log 2>&1 || { cat build/imports.log; false; }; }
+
 check_cpp() {
     find liggghts_models setup -name '*.cpp' -o -name '*.h' -o -name '*.hpp' | sort |
         xargs "$bin/clang-format" --dry-run --Werror
@@ -22,7 +25,7 @@ check_cpp() {
 
 check_workflow() { "$bin/python" setup/lint_workflow.py "$bin/snakemake"; }
 
-check_config() { "$bin/python" -m floeflow.scene --check; }
+check_config() { "$bin/floeflow" docs >/dev/null; }
 
 check_shell() {
     local script failed=0
@@ -42,7 +45,7 @@ check_licence() {
     return 1
 }
 
-all=(ruff snakefiles types cpp workflow config shell licence)
+all=(ruff snakefiles types imports cpp workflow config shell licence)
 failed=()
 for check in "${@:-${all[@]}}"; do
     "check_$check" || failed+=("$check")

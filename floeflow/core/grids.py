@@ -8,6 +8,7 @@ ice and land. Both cover the scene's rectangle exactly.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import pyproj
@@ -15,7 +16,6 @@ from numpy.typing import NDArray
 from pyproj.exceptions import CRSError
 
 from floeflow.core.errors import FloeError
-from floeflow.scene.blocks import Domain
 
 Array = NDArray[np.float64]
 
@@ -24,6 +24,34 @@ Array = NDArray[np.float64]
 EQUAL_AREA_TOLERANCE = 1e-6
 
 EARTH_RADIUS = 6371.0e3  # m, for distances that need no ellipsoid
+
+
+class Domain(Protocol):
+    """A rectangle of a projection, as a scene's block ``domain`` gives it."""
+
+    @property
+    def x_min(self) -> float:
+        """Left side (m)."""
+
+    @property
+    def x_max(self) -> float:
+        """Right side (m)."""
+
+    @property
+    def y_min(self) -> float:
+        """Lower side (m)."""
+
+    @property
+    def y_max(self) -> float:
+        """Upper side (m)."""
+
+    @property
+    def spacing(self) -> float:
+        """Width of a cell (m)."""
+
+    @property
+    def crs(self) -> str:
+        """Name of the projection."""
 
 
 @dataclass(frozen=True)

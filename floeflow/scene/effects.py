@@ -12,7 +12,6 @@ number that says when it matters. ``docs/effects.md`` is generated from both.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -411,9 +410,3 @@ def column_variables(names: Iterable[str], scheme: str) -> tuple[str, ...]:
 def column_forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
     """Forcing variables that the columns read under these effects."""
     return forcing_variables(_column_effects(names))
-
-
-if __name__ == "__main__":
-    from floeflow.analysis.estimate.command import main
-
-    sys.exit(main())

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,9 @@ from floeflow.scene.checks import check_combinations
 from floeflow.scene.effects import check_effects
 
 MAX_BYTES = 1_000_000
+
+# Picks the effects of a scene with ``effects: auto``: `floeflow.analysis.resolve` has one.
+Chooser = Callable[[Scene], tuple[str, ...]]
 
 
 class _SceneLoader(yaml.SafeLoader):
@@ -34,13 +37,15 @@ class _SceneLoader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
-def load_scene(path: str | Path) -> Scene:
+def load_scene(path: str | Path, choose: Chooser | None = None) -> Scene:
     """Read and validate a scene file.
 
     Parameters
     ----------
     path : str or Path
         YAML file of the scene.
+    choose : callable, optional
+        Picks the effects where the scene says ``effects: auto``.
 
     Returns
     -------
@@ -55,7 +60,7 @@ def load_scene(path: str | Path) -> Scene:
     path = Path(path)
     raw = _read(path)
     try:
-        return parse_scene(raw, default_name=path.stem)
+        return parse_scene(raw, path.stem, choose)
     except FloeError as error:
         raise FloeError(f"{path}: {error}") from None
 
@@ -82,11 +87,11 @@ def read_keys(path: str | Path) -> dict[str, Any]:
     return _keys_of(_read(Path(path)))
 
 
-def parse_scene(raw: bytes, default_name: str) -> Scene:
+def parse_scene(raw: bytes, default_name: str, choose: Chooser | None = None) -> Scene:
     """Validate the bytes of a scene file; see `load_scene`."""
     data = _keys_of(raw)
     data.setdefault("name", default_name)
-    return build_scene(data)
+    return build_scene(data, choose)
 
 
 def _keys_of(raw: bytes) -> dict[str, Any]:
@@ -108,7 +113,7 @@ def _keys_of(raw: bytes) -> dict[str, Any]:
     return data
 
 
-def build_scene(keys: Mapping[str, Any]) -> Scene:
+def build_scene(keys: Mapping[str, Any], choose: Chooser | None = None) -> Scene:
     """Validate keys that were read from a scene file or derived from one.
 
     Raises
@@ -125,9 +130,11 @@ def build_scene(keys: Mapping[str, Any]) -> Scene:
     except ValidationError as error:
         raise FloeError(_validation_sentence(error)) from None
     if auto:
-        # Reads mask and forcing: only where it is asked for.
-        from floeflow.analysis.estimate.choose import choose
-
+        if choose is None:
+            raise FloeError(
+                "effects: 'auto' is resolved from mask and forcing when a run starts; here, name "
+                "the effects"
+            )
         scene = scene.model_copy(update={"effects": choose(scene)})
         scene._auto = True
     scene = scene.model_copy(update={"effects": check_effects(scene.effects)})

@@ -17,10 +17,8 @@ from typing import Any, Protocol
 
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import hold_job
+from floeflow.core.records import CPU_LINE
 from floeflow.scene import Scene, load_scene
-
-# Studies read from the logs what each stage cost.
-CPU_LINE = "CPU time: "
 
 
 class Snakemake(Protocol):

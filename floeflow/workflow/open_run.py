@@ -7,20 +7,19 @@ left, and cuts the run into groups of windows. All refusals are one sentence and
 
 from __future__ import annotations
 
-import math
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from floeflow.analysis.resolve import resolve_scene
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import claim_scene, clear_stale_locks
-from floeflow.scene import Scene, load_scene
+from floeflow.scene import Scene
+from floeflow.scene.windows import window_groups, window_name
 
 DEFAULT_SCENE = "config/scenes/arctic_1981.yaml"
 CONFIG_KEYS = ("scene",)
-# Recursive chains of jobs exhaust Python's stack near 400; a window is one job deep.
-MAX_DEPTH = 140
 # Ways to call Snakemake that only look.
 LOOKING = {"--lint", "-l", "--summary", "-S", "--detailed-summary", "-D", "--dag", "--rulegraph"}
 LOOKING |= {"--filegraph", "--d3dag", "--list-rules", "--list", "--list-target-rules", "--lt"}
@@ -58,31 +57,6 @@ class Run:
         return window_name(int(self.groups[end][0]) - 1)
 
 
-def window_name(number: int) -> str:
-    """Name of a window in file names: at least four digits."""
-    return f"{number:04d}"
-
-
-def window_groups(windows: int, per_job: int) -> dict[str, list[str]]:
-    """Cut windows 1..n into groups, each under the name of its last window.
-
-    Groups start at fixed windows, so that a longer run keeps all full groups of a shorter one.
-
-    Parameters
-    ----------
-    windows : int
-        Number of windows of the run.
-    per_job : int
-        Windows in one job; 0 chooses as few as keep the chain of jobs short.
-    """
-    size = per_job or math.ceil(windows / MAX_DEPTH)
-    groups = {}
-    for first in range(1, windows + 1, size):
-        names = [window_name(w) for w in range(first, min(first + size, windows + 1))]
-        groups[names[-1]] = names
-    return groups
-
-
 def open_scene(config: dict[str, Any], workflow: Any) -> Run:
     """Validate what the run was given and claim its scene.
 
@@ -111,7 +85,7 @@ def _open_scene(config: dict[str, Any], workflow: Any) -> Run:
             raise FloeError(f"--config {name}=...: only scene=PATH is known")
     # Jobs read the path from the same place.
     path = str(config.setdefault("scene", DEFAULT_SCENE))
-    scene = load_scene(path)
+    scene = resolve_scene(path)
     folder = RESULTS / scene.name
     groups = window_groups(scene.time.windows, scene.workflow.windows_per_job)
     if workflow.is_main_process:

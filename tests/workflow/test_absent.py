@@ -18,9 +18,9 @@ from floeflow.analysis.estimate.influence import without
 from floeflow.diagnostics.collect import expected_series
 from floeflow.scene import load_scene
 from floeflow.scene.effects import EFFECTS, compatible
+from floeflow.scene.windows import window_name
 from floeflow.state import read_dataset, read_state
 from floeflow.state.schema import expected_variables
-from floeflow.workflow.open_run import window_name
 from support.runner import Done, Place, make_place
 
 pytestmark = pytest.mark.workflow

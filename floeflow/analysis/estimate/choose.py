@@ -10,17 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from floeflow.analysis.estimate.conditions import Conditions, conditions
 from floeflow.analysis.estimate.cost import Coefficients, coefficients, cost_share
 from floeflow.analysis.estimate.dimensionless_numbers import NUMBERS, meaning
 from floeflow.analysis.estimate.influence import Influence, influence
 from floeflow.core.errors import FloeError
+from floeflow.forcings.inputs import check_forcing_file
+from floeflow.scene import Scene
 from floeflow.scene.effects import EFFECTS, check_effects, compatible
-
-if TYPE_CHECKING:
-    from floeflow.scene import Scene
 
 # Relative influence above which an effect is needed, and below which it is waste.
 NEEDED, WASTE = 0.05, 0.01
@@ -155,8 +154,6 @@ def choose(scene: Scene) -> tuple[str, ...]:
 
 def _has_forcing(scene: Scene, name: str) -> bool:
     """Whether the user's forcing file has what an effect and its needs read."""
-    from floeflow.forcings.inputs import check_forcing_file
-
     if scene.forcing.source != "file":
         return True
     asked = (name, *EFFECTS[name].needs)

@@ -1,34 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``python -m floeflow.scene.effects SCENE``: effects estimated, what to name."""
+"""What ``floeflow effects`` prints: effects estimated, what to name."""
 
 from __future__ import annotations
 
-import argparse
 import json
-import logging
-from functools import partial
 from pathlib import Path
 
-from floeflow.core.errors import answer
-
-
-def main() -> int:
-    """Print the table for a scene, the numbers behind it and a recommendation."""
-    parser = argparse.ArgumentParser(prog="python -m floeflow.scene.effects", description=__doc__)
-    parser.add_argument("scene", type=Path, help="a scene file")
-    parser.add_argument("--json", action="store_true", help="print JSON instead")
-    given = parser.parse_args()
-    logging.disable(logging.WARNING)
-    return answer(partial(tell, given.scene, given.json))
+from floeflow.analysis.estimate import choose
+from floeflow.analysis.estimate.conditions import conditions
+from floeflow.analysis.resolve import resolve_scene
 
 
 def tell(path: Path, as_json: bool = False) -> str:
     """The estimates of a scene file as text or JSON."""
-    from floeflow.analysis.estimate import choose
-    from floeflow.analysis.estimate.conditions import conditions
-    from floeflow.scene import load_scene
-
-    scene = load_scene(path)
+    scene = resolve_scene(path)
     c = conditions(scene)
     rows = choose.scene_estimates(scene)
     wanted = choose.choose(scene)

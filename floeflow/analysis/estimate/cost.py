@@ -3,7 +3,7 @@
 
 Seconds of one core are linear in a few sizes of the scene (elements times steps, cells, windows)
 with the coefficients of ``costs.json``, fitted to runs by
-``python -m floeflow.analysis.plan --refit``.
+``floeflow plan --refit``.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from floeflow.core.constants import ICE_DENSITY
 from floeflow.scene.effects import plugin_switches
-from floeflow.workflow.open_run import window_groups
+from floeflow.scene.windows import window_groups
 
 if TYPE_CHECKING:
     from floeflow.analysis.estimate.conditions import Conditions

@@ -17,12 +17,13 @@ from scipy.optimize import nnls
 from floeflow.analysis.estimate.conditions import Conditions, conditions
 from floeflow.analysis.estimate.cost import bonded, forcing_jobs
 from floeflow.analysis.plan.propose import adjusted
+from floeflow.analysis.resolve import resolve_scene
 from floeflow.analysis.studies.nested import stage_cpu
 from floeflow.analysis.studies.variants import BASE
 from floeflow.core.constants import ICE_DENSITY
 from floeflow.core.errors import FloeError
 from floeflow.diagnostics.collect import read_grid
-from floeflow.scene import Scene, load_scene
+from floeflow.scene import Scene
 from floeflow.scene.effects import EFFECTS, plugin_switches
 
 # Stages after the windows that every whole run has.
@@ -62,11 +63,11 @@ def read_runs(folders: Iterable[Path]) -> list[Run]:
         base = folder / "scenes" / f"{BASE}.yaml"
         if not base.is_file():
             raise FloeError(f"{folder}: there is no study here")
-        c = conditions(load_scene(base))
+        c = conditions(resolve_scene(base))
         for path in sorted(folder.glob("*.json")):
             record = json.loads(path.read_text())
             if "variant" in record and not record["fault"]:
-                scene = load_scene(folder / "scenes" / f"{record['variant']}.yaml")
+                scene = resolve_scene(folder / "scenes" / f"{record['variant']}.yaml")
                 found.append(Run(scene, adjusted(c, scene), record))
     return found
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``python -m floeflow.analysis.single_column.run forcing.nc``: one column of sea ice.
+"""``floeflow column forcing.nc``: one column of sea ice.
 
 Reads the forcing of a place, advances a column through it, writes its record as NetCDF and draws
 it: for people who want the column and no elements.
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -34,7 +35,7 @@ DAY = 86400.0
 def arguments() -> argparse.ArgumentParser:
     """The command line."""
     parser = argparse.ArgumentParser(
-        prog="python -m floeflow.analysis.single_column.run",
+        prog="floeflow column",
         description="One column of sea ice and its year.",
     )
     add = parser.add_argument
@@ -161,10 +162,6 @@ def run(given: argparse.Namespace) -> str:
     )
 
 
-def main() -> int:
+def main(words: Sequence[str] | None = None) -> int:
     """Command line; a fault is one sentence."""
-    return answer(partial(run, arguments().parse_args()))
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+    return answer(partial(run, arguments().parse_args(words)))

@@ -18,6 +18,7 @@ from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 from scipy.spatial import cKDTree
 
 from floeflow.analysis.estimate.cost import WORK
+from floeflow.analysis.estimate.influence import DRIFT_FLOOR, ICE_FLOOR
 from floeflow.diagnostics.collect import displacement, intact, lost_pairs, mean
 from floeflow.state import read_state
 
@@ -142,8 +143,6 @@ def work(record: Mapping[str, Any]) -> float:
 
 def scales(run: RunEnds) -> Mapping[str, float]:
     """What happens in a run at all, as the estimates have it: drift (m), volume (m), area (1)."""
-    from floeflow.analysis.estimate.influence import DRIFT_FLOOR, ICE_FLOOR
-
     start, end = totals(run.first), totals(run.last)
     found = {name: max(abs(end[name] - start[name]), ICE_FLOOR * start[name]) for name in start}
     return {"drift": max(mean_drift(run), DRIFT_FLOOR), **found}

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from floeflow.analysis.estimate.choose import scene_estimates
+from floeflow.analysis.resolve import resolve_scene
 from floeflow.analysis.studies import ablation_page, accuracy_page
 from floeflow.analysis.studies.ablation_figure import ablation_figure
 from floeflow.analysis.studies.ablation_table import Ablation, ablation_table
@@ -24,7 +25,7 @@ from floeflow.core.errors import FloeError, answer
 from floeflow.core.records import machine
 from floeflow.report.figures.style import write_png
 from floeflow.report.study_page import DPI, Table, as_markdown
-from floeflow.scene import Scene, load_scene
+from floeflow.scene import Scene
 from floeflow.scene.docs import PROJECT
 
 EXAMPLES = ("free_drift_day", "winter_pack", "summer_melt_month", "marginal_ice_zone")
@@ -100,7 +101,7 @@ def write_document(results: Path = Path("results")) -> Path:
     found: list[tuple[Scene, Ablation]] = []
     sections = []
     for name in EXAMPLES:
-        scene = load_scene(PROJECT / f"config/scenes/{name}.yaml")
+        scene = resolve_scene(PROJECT / f"config/scenes/{name}.yaml")
         parts = []
         if records := study_records(scene, "ablation", results):
             ablation = ablation_table(scene, records, scene_estimates(scene))

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from floeflow.core.errors import FloeError
+from floeflow.core.records import CPU_LINE
 from floeflow.scene import Scene
 from floeflow.scene.docs import PROJECT
-from floeflow.workflow.job import CPU_LINE
 
 
 @dataclass

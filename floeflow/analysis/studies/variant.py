@@ -7,13 +7,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from floeflow.analysis.resolve import resolve_scene
 from floeflow.analysis.studies.compare import differences, mean_drift, read_ends, scales, totals
 from floeflow.analysis.studies.nested import Outcome, read_outcome, run_scene
 from floeflow.analysis.studies.share import link_shared
 from floeflow.analysis.studies.variants import BASE, Variant, variant_keys, write_variant
 from floeflow.core.errors import FloeError
 from floeflow.scene import Scene
-from floeflow.scene.load import load_scene
 
 # Ice does not drift faster: such a run is unstable though it ended.
 FASTEST = 5.0  # m/s
@@ -49,7 +49,7 @@ def run_variant(path: Path, scene: Scene, study: str, variant: Variant) -> dict[
     folder = Path("results") / scene.name / study
     file = folder / "scenes" / f"{variant.name}.yaml"
     own = write_variant(variant_keys(path, scene, study, variant), file)
-    base = own if variant.name == BASE else load_scene(folder / "scenes" / f"{BASE}.yaml")
+    base = own if variant.name == BASE else resolve_scene(folder / "scenes" / f"{BASE}.yaml")
     if variant.name != BASE:
         logging.info("%d files are the base run's", link_shared(base, own))
     fault = run_scene(file, own, folder / "log" / f"{variant.name}.workflow.log")

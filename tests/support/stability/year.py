@@ -25,8 +25,9 @@ from floeflow.packings import bonds, packing
 from floeflow.packings import fresh_cells as cells
 from floeflow.scene import Scene, load_scene
 from floeflow.scene.effects import forcing_variables
+from floeflow.scene.windows import window_groups
 from floeflow.state import write_dataset, write_state
-from floeflow.workflow.open_run import PLUGIN, window_groups
+from floeflow.workflow.open_run import PLUGIN
 
 DAY = 86400.0
 # Storms cross the scene one after the other, each so many days long.

@@ -26,6 +26,7 @@ from floeflow.analysis.estimate.drift import run_drift
 from floeflow.analysis.estimate.ice import open_water_loss, run_ice
 from floeflow.analysis.estimate.influence import influence, without
 from floeflow.analysis.estimate.summary import estimates
+from floeflow.analysis.resolve import resolve_scene
 from floeflow.scene import load_scene
 from floeflow.scene.effects import EFFECTS
 
@@ -226,7 +227,7 @@ def test_auto_chooses_and_says_why(tmp_path: Path):
     text = SMOKE.read_text() + "\nname: smoke\neffects: auto\n"
     path = tmp_path / "smoke.yaml"
     path.write_text(text)
-    scene = load_scene(path)
+    scene = resolve_scene(path)
     assert scene.auto and not load_scene(SMOKE).auto
     said = estimates(scene)
     assert said["chosen_by"] == "auto"
@@ -237,13 +238,13 @@ def test_auto_chooses_and_says_why(tmp_path: Path):
     # In calm air nothing but the heat is left.
     calm = text.replace("cyclone:", "gyre: {current_speed: 0}\n  cyclone:\n    wind_speed: 0")
     path.write_text(calm)
-    chosen = set(load_scene(path).effects)
+    chosen = set(resolve_scene(path).effects)
     assert {"thermodynamics", "grid_output"} <= chosen
     assert all(EFFECTS[name].column for name in chosen - {"grid_output"})
 
 
 def test_the_command_prints_the_table():
-    command = [sys.executable, "-m", "floeflow.scene.effects", str(SMOKE)]
+    command = [sys.executable, "-m", "floeflow.cli", "effects", str(SMOKE)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     for name in EFFECTS:

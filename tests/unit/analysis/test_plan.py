@@ -12,7 +12,7 @@ import xarray as xr
 from floeflow.analysis.estimate import cost
 from floeflow.analysis.estimate.conditions import Conditions, conditions
 from floeflow.analysis.estimate.cost import WORK, coefficients, run_seconds, sizes, stage_seconds
-from floeflow.analysis.plan.__main__ import as_time, main
+from floeflow.analysis.plan.command import as_time, main
 from floeflow.analysis.plan.fit_costs import Run, fit_costs, fit_whole_runs, read_runs
 from floeflow.analysis.plan.fit_errors import Study, fit_choices, fit_laws
 from floeflow.analysis.plan.pack import fitted_to_pack
@@ -260,8 +260,7 @@ def test_the_command_proposes_and_refuses(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     def plan(*more: str) -> int:
-        monkeypatch.setattr("sys.argv", ["plan", *more])
-        return main()
+        return main(more)
 
     monkeypatch.setattr("logging.disable", lambda _: None)
     assert plan(str(SMOKE), "--budget", "1h", "--ranks", "2") == 0

@@ -184,7 +184,8 @@ def test_the_command_says_what_is_wrong(tmp_path: Path):
     command = [
         sys.executable,
         "-m",
-        "floeflow.analysis.single_column.run",
+        "floeflow.cli",
+        "column",
         str(tmp_path / "none.nc"),
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
@@ -202,7 +203,7 @@ def test_the_tutorial_makes_its_forcing_and_runs(shared: Path, tmp_path: Path, m
     (tmp_path / table.name).symlink_to(table)
     monkeypatch.chdir(tmp_path)
     exec(compile(block[1], "tutorial", "exec"), {})
-    commands = re.findall(r"^python -m floeflow.analysis.single_column.run (.*)$", text, re.M)
+    commands = re.findall(r"^floeflow column (.*)$", text, re.M)
     assert len(commands) >= 2
     text = run(arguments().parse_args([*commands[0].split(), "--days", "5"]))
     assert (tmp_path / "column.nc").is_file() and "largest residual" in text

@@ -10,9 +10,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from floeflow.analysis.documents import documents
 from floeflow.core.errors import FloeError
 from floeflow.scene import STAGE_KEYS, Scene, load_scene, parse_scene, stage_hash
-from floeflow.scene.docs import documents, keys
+from floeflow.scene.docs import keys
 from floeflow.scene.hashes import stage_values
 
 
@@ -110,7 +111,7 @@ def test_effects_come_in_the_order_of_the_registry():
 
 def test_generated_documents_are_up_to_date():
     for path, text in documents().items():
-        assert path.read_text() == text, f"{path.name}: run python -m floeflow.scene --write"
+        assert path.read_text() == text, f"{path.name}: run floeflow docs --write"
 
 
 def test_the_default_file_is_the_default_scene(project: Path):

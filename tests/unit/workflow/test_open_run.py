@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from floeflow.scene import parse_scene
-from floeflow.workflow.open_run import MAX_DEPTH, Run, window_groups
+from floeflow.scene.windows import MAX_DEPTH, window_groups
+from floeflow.workflow.open_run import Run
 
 
 @given(windows=st.integers(1, 3000), per_job=st.integers(0, 50))

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Settings for a run: ``python -m floeflow.analysis.plan SCENE --error 0.05 | --budget 2h``."""
+"""What ``floeflow plan`` prints: settings for a wanted error or for a budget of time."""
 
 from __future__ import annotations
 
 import argparse
 import logging
-import sys
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -14,13 +14,16 @@ from floeflow.analysis.estimate.cost import COSTS, coefficients
 from floeflow.analysis.plan.pack import fitted_to_pack
 from floeflow.analysis.plan.precision import PRECISION, error_model
 from floeflow.analysis.plan.propose import Proposal, for_budget, for_error, parse_budget, proposals
+from floeflow.analysis.plan.refit import refit
+from floeflow.analysis.resolve import resolve_scene
 from floeflow.core.errors import FloeError, answer
-from floeflow.scene import load_scene
 
 
-def main() -> int:
+def main(words: Sequence[str] | None = None) -> int:
     """Print a proposal, or fit the models anew."""
-    parser = argparse.ArgumentParser(prog="python -m floeflow.analysis.plan", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="floeflow plan", description="Settings that reach an error or keep a budget."
+    )
     parser.add_argument("scene", type=Path, nargs="?", help="a scene file")
     aim = parser.add_mutually_exclusive_group(required=True)
     aim.add_argument("--error", type=float, help="largest error, relative to what happens")
@@ -28,14 +31,12 @@ def main() -> int:
     aim.add_argument("--refit", action="store_true", help="fit the models to the studies anew")
     parser.add_argument("--ranks", type=int, default=1, help="MPI ranks of the element model")
     parser.add_argument("--results", type=Path, default=Path("results"), help="for --refit")
-    given = parser.parse_args()
+    given = parser.parse_args(words)
     logging.disable(logging.WARNING)
     return answer(partial(_refit, given.results) if given.refit else partial(_plan, given))
 
 
 def _refit(results: Path) -> str:
-    from floeflow.analysis.plan.refit import refit
-
     names = refit(results, COSTS, PRECISION)
     return f"Fitted to {', '.join(names)}:\n  {COSTS}\n  {PRECISION}"
 
@@ -45,7 +46,7 @@ def _plan(given: argparse.Namespace) -> str:
         raise FloeError("name a scene file")
     if given.ranks < 1:
         raise FloeError(f"--ranks {given.ranks}: one rank at least")
-    scene = load_scene(given.scene)
+    scene = resolve_scene(given.scene)
     c = conditions(scene)
     fit = fitted_to_pack(scene, c, coefficients())
     found = proposals(scene, c, given.ranks, fit, error_model())
@@ -88,7 +89,3 @@ def as_time(seconds: float) -> str:
 
 def _say(proposal: Proposal) -> str:
     return f"about {as_time(proposal.seconds)}, error about {100 * proposal.error:.2g} %"
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The command ``floeflow``: look at a scene, plan it, run it, or run a column alone."""
+
+from __future__ import annotations
+
+import logging
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from floeflow.analysis import documents
+from floeflow.analysis.estimate.command import tell
+from floeflow.analysis.plan import command as plan_command
+from floeflow.analysis.resolve import resolve_scene
+from floeflow.analysis.single_column import run as column_command
+from floeflow.core.errors import FloeError, answer
+from floeflow.scene.docs import PROJECT
+
+app = typer.Typer(
+    name="floeflow",
+    help="FloeFlow, a discrete element model of sea ice.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+SceneFile = Annotated[Path, typer.Argument(help="A scene file.")]
+# Commands with many options of their own parse them themselves, help included.
+OWN_OPTIONS = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
+
+
+def _end(command: Callable[[], object]) -> None:
+    raise typer.Exit(answer(command))
+
+
+@app.command()
+def run(
+    scene: SceneFile,
+    cores: Annotated[int, typer.Option(help="Cores of this machine to use; 0: all.")] = 0,
+) -> None:
+    """Run a scene on this machine up to its report, through Snakemake."""
+    _end(partial(_run, scene, cores))
+
+
+def _run(scene: Path, cores: int) -> str:
+    if not (PROJECT / "Snakefile").is_file():
+        raise FloeError(
+            "'floeflow run' needs a checkout of the project: the workflow is no part of the wheel"
+        )
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
+    command += ["--profile", str(PROJECT / "workflows/profiles/local")]
+    command += ["--cores", str(cores)] if cores else []
+    code = subprocess.run([*command, "--config", f"scene={scene}"], check=False).returncode
+    raise typer.Exit(code)
+
+
+@app.command()
+def check(scene: SceneFile) -> None:
+    """Validate a scene file and say which effects it runs with."""
+    _end(partial(_check, scene))
+
+
+def _check(path: Path) -> str:
+    scene = resolve_scene(path)
+    return f"{path}: scene '{scene.name}' with {', '.join(scene.effects)}"
+
+
+@app.command()
+def effects(
+    scene: SceneFile,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead.")] = False,
+) -> None:
+    """Estimate what each effect would change and cost, and recommend effects."""
+    logging.disable(logging.WARNING)
+    _end(partial(tell, scene, as_json))
+
+
+@app.command(context_settings=OWN_OPTIONS)
+def plan(context: typer.Context) -> None:
+    """Propose settings for a wanted error or for a budget of time (--help)."""
+    raise typer.Exit(plan_command.main(context.args))
+
+
+@app.command(context_settings=OWN_OPTIONS)
+def column(context: typer.Context) -> None:
+    """Run one column of sea ice without elements (--help)."""
+    raise typer.Exit(column_command.main(context.args))
+
+
+@app.command()
+def docs(
+    write: Annotated[bool, typer.Option(help="Write them; without, only compare.")] = False,
+) -> None:
+    """Write or compare the documents that are generated from code."""
+    _end(documents.write_documents if write else documents.check_documents)
+
+
+@app.command()
+def doctor() -> None:
+    """Say what is installed, what is missing, and try the plugin."""
+    script = PROJECT / "setup/doctor.sh"
+    if not script.is_file():
+        _end(_no_doctor)
+    raise typer.Exit(subprocess.run([str(script)], check=False).returncode)
+
+
+def _no_doctor() -> str:
+    raise FloeError("'floeflow doctor' needs a checkout of the project")
+
+
+if __name__ == "__main__":
+    app()
