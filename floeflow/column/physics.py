@@ -22,6 +22,10 @@ Their arguments carry no types: Numba finds them, and mypy is told not to ask in
 Without counting references to arrays (`_nrt`), which takes half the time otherwise: they can view
 arrays but not make any, for which there is `jit_making`. Without wrappers for Python, which take a
 third of the compilation.
+
+Never with fast-math: a function that Numba has just compiled calls the first copies of the
+functions in it, which were optimised alone, one loaded from the cache calls its own copies, which
+were optimised together. Sums that may be taken in any order then depend on which it was.
 """
 
 jit_making: Any = numba.njit(error_model="numpy", nogil=True)

@@ -12,19 +12,14 @@ kind on top of that layer.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from floeflow.column.physics import _LEAN, jit, jit_making
+from floeflow.column.physics import jit, jit_making
 
 Array = NDArray[np.float64]
-
-_jit_sums: Any = numba.njit(
-    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"}, **_LEAN
-)  # sums over directions may be taken in any order, so that they are taken four at a time
 
 # Gauss points over the cosine of the direction, and their weights times it, to a sum of 1.
 COSINES = np.array(
@@ -98,7 +93,7 @@ def new_rays(layers, media):
     )  # fmt: skip
 
 
-@_jit_sums
+@jit
 def fading(path):
     """exp(-path) for a path of 0 to 10, in a form that is computed for several at once.
 
@@ -119,7 +114,7 @@ def fading(path):
     return y * y
 
 
-@_jit_sums
+@jit
 def mix_medium(media, m, extinction, albedo, asymmetry):
     """Set medium m to what scatters so: all of the layer's solution that its depth does not enter.
 
@@ -158,7 +153,7 @@ def mix_medium(media, m, extinction, albedo, asymmetry):
         row[MINUS + i] = one - two
 
 
-@_jit_sums
+@jit
 def scatter(r, k, m, thick, sun):
     """Set what layer k of medium m and a thickness (m) reflects and transmits (eqs. 4 and 5).
 
