@@ -22,7 +22,7 @@ setup: ## install what is missing and build the plugin
 
 run: setup ## set up, then run SCENE= and print where its report lies
 	@.venv/bin/snakemake --profile workflows/profiles/local \
-	    --config 'scene=$(SCENE)' $(if $(RANKS),--set-threads window=$(RANKS))
+	    --config 'scene=$(SCENE)' $(if $(RANKS),--set-threads windows=$(RANKS))
 
 test: setup lint ## set up, then run lint and every test but the slow ones
 	ctest --test-dir build/liggghts_models --output-on-failure
@@ -32,7 +32,9 @@ verification: setup ## compare with theory and references at length, draw docs/i
 	.venv/bin/python -m pytest -m verification --figures tests/verification
 
 stability: setup ## run the hard cases at length: results/stability/stability.html, docs/hard_cases.md
-	.venv/bin/snakemake --profile workflows/profiles/local --keep-going -- stability
+	.venv/bin/python -m pytest -q -m stability --figures \
+	    --record results/stability/records.json tests/stability || test -s results/stability/records.json
+	.venv/bin/snakemake --profile workflows/profiles/local -- results/stability/stability.html
 	.venv/bin/python -m floeflow.analysis.studies.hard_cases
 
 fuzz: setup ## fuzz the reader of states for FUZZ_SECONDS=300, what breaks it lands in results/fuzz

@@ -12,27 +12,24 @@ min_version("9.0")
 include: "workflows/rules/common.smk"
 
 
+# A scene, or a variant of one: <base>+<study>-<variant>.
 wildcard_constraints:
-    scene=r"[a-z0-9][a-z0-9_-]*",
-    window=r"[0-9]+",
+    scene=r"[a-z0-9][a-z0-9_-]*(\+[a-z0-9_-]+)?",
+    chunk=r"[0-9]+",
 
 
 include: "workflows/rules/preprocess.smk"
-include: "workflows/rules/dynamics.smk"
+include: "workflows/rules/simulate.smk"
 include: "workflows/rules/postprocess.smk"
 include: "workflows/rules/export.smk"
 include: "workflows/rules/studies.smk"
-include: "workflows/rules/ablation.smk"
-include: "workflows/rules/accuracy.smk"
-include: "workflows/rules/stability.smk"
 
 
 rule all:
     default_target: True
     input:
-        f"{RUN.folder}/report.html",
-        extra_targets(),
+        default_targets(),
 
 
 onsuccess:
-    print(RUN.closing_line())
+    print(SCENES.closing_line())

@@ -1,22 +1,24 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``diagnostics``: series, budgets and their residuals."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
-from floeflow.diagnostics.diagnostics import diagnose, write_json
+from floeflow.diagnostics.diagnostics import RunFiles, diagnose, write_json
 from floeflow.state import write_dataset
 from floeflow.workflow.job import Snakemake, run_script, scene_of
 
 
 def main(snakemake: Snakemake) -> None:
     """Run the rule."""
-    scene = scene_of(snakemake)
-    folder = Path(snakemake.input.states[0]).parent.parent
-    windows = [int(window) for window in snakemake.params.windows]
-    grids = [Path(path) for path in snakemake.input.grids]
-    data, numbers = diagnose(folder, windows, grids, scene.effects)
+    given = snakemake.input
+    files = RunFiles(
+        first=Path(given.first),
+        elements=[Path(path) for path in given.elements],
+        series=[Path(path) for path in given.series],
+        cost=[Path(path) for path in given.cost],
+        grid=Path(str(given.grid)) if given.grid else None,
+    )
+    data, numbers = diagnose(files, scene_of(snakemake).effects)
     write_dataset(data, snakemake.output.dataset)
     write_json(numbers, Path(snakemake.output.headline))
 

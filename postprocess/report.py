@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``report``: the report."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -18,14 +16,14 @@ def main(snakemake: Snakemake) -> None:
     """Run the rule."""
     scene = scene_of(snakemake)
     given = snakemake.input
-    grids = [read_grid(Path(path)) for path in (*given.grids[:1], *given.grids[-1:])]
+    grid = read_grid(Path(str(given.grid))) if given.grid else None
     material = Material(
         diagnostics=read_dataset(given.diagnostics),
         numbers=read_numbers(Path(given.headline)),
         first_state=read_state(given.first_state),
         last_state=read_state(given.last_state),
-        first_grid=grids[0] if grids else None,
-        last_grid=grids[-1] if grids else None,
+        first_grid=grid.isel(time=0) if grid is not None else None,
+        last_grid=grid.isel(time=-1) if grid is not None else None,
         mask=read_dataset(given.mask),
         packing=read_dataset(given.packing),
         benchmarks=[Path(path) for path in given.benchmarks],

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``bonds``: bonds between neighbours."""
 
-from __future__ import annotations
-
 from floeflow.packings.bonds import make_bonds
 from floeflow.state import read_dataset, write_dataset
 from floeflow.workflow.job import Snakemake, run_script, scene_of

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``cells``: fresh cells over ice and water, for remapping."""
 
-from __future__ import annotations
-
 from floeflow.packings.fresh_cells import make_cells
 from floeflow.state import read_dataset, write_dataset
 from floeflow.workflow.job import Snakemake, run_script, scene_of

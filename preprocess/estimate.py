@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``estimate``: what each effect would change and cost."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -12,7 +10,9 @@ from floeflow.workflow.job import Snakemake, run_script, scene_of
 
 def main(snakemake: Snakemake) -> None:
     """Run the rule."""
-    text = json.dumps(estimates(scene_of(snakemake)), indent=1, allow_nan=False)
+    text = json.dumps(
+        estimates(scene_of(snakemake), snakemake.params.chosen_by), indent=1, allow_nan=False
+    )
     Path(str(snakemake.output.estimates)).write_text(text + "\n")
 
 

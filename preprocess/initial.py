@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``initial``: state 0: elements, bonds and columns at the start."""
 
-from __future__ import annotations
-
 from floeflow.coupling.initial import make_state
 from floeflow.state import read_dataset, write_state
 from floeflow.workflow.job import Snakemake, run_script, scene_of

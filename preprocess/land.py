@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``land``: share of land in each cell of the mask grid, from the 1 km land mask."""
 
-from __future__ import annotations
-
 from floeflow.masks.land import make_land
 from floeflow.state import write_dataset
 from floeflow.workflow.job import Snakemake, run_script, scene_of

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``mask``: ice concentration and thickness on the mask grid, from the ice mask."""
 
-from __future__ import annotations
-
 from floeflow.masks.mask import make_mask
 from floeflow.state import read_dataset, write_dataset
 from floeflow.workflow.job import Snakemake, run_script, scene_of

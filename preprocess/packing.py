@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``packing``: elements over the ice: their cells and discs."""
 
-from __future__ import annotations
-
 from floeflow.packings.packing import make_packing
 from floeflow.state import read_dataset, write_dataset
 from floeflow.workflow.job import Snakemake, run_script, scene_of

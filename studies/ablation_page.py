@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``ablation_page``: what each effect changes and saves."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``accuracy_page``: error against cost."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict
 from pathlib import Path
@@ -19,7 +17,7 @@ from floeflow.analysis.studies.accuracy_table import analyse, as_dataset
 from floeflow.analysis.studies.measures import KEPT, NORMS
 from floeflow.diagnostics.diagnostics import write_json
 from floeflow.report.study_page import Study, draw, write_study
-from floeflow.state import write_dataset
+from floeflow.state import read_dataset, write_dataset
 from floeflow.workflow.job import Snakemake, run_script, scene_of
 
 
@@ -27,7 +25,7 @@ def main(snakemake: Snakemake) -> None:
     """Run the rule."""
     scene = scene_of(snakemake)
     records = [json.loads(Path(path).read_text()) for path in snakemake.input.records]
-    study = analyse(scene, records)
+    study = analyse(scene, records, read_dataset(snakemake.input.mask))
     write_dataset(as_dataset(study, scene), snakemake.output.data)
     chosen = [
         {

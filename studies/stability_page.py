@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``stability_page``: what the hard cases showed."""
 
-from __future__ import annotations
-
 import json
 import logging
 from pathlib import Path
@@ -16,7 +14,7 @@ from floeflow.workflow.job import Snakemake, run_script
 
 def main(snakemake: Snakemake) -> None:
     """Run the rule."""
-    shown = [e for path in snakemake.input.records for e in json.loads(Path(path).read_text())]
+    shown = json.loads(Path(str(snakemake.input.records)).read_text())
     folder = Path(str(snakemake.output.figures))
     caption = "Energy that no term of the budget accounts for; dashed: what may be missed."
     drawings = [draw(folder, "residuals", caption, residual_figure(residuals(shown)))]

@@ -1,22 +1,34 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Rule ``variant``: one run of a study."""
+"""Rule ``variant``: one run of a study, compared with the base run."""
 
-from __future__ import annotations
-
+import json
+import os
 from pathlib import Path
 
-from floeflow.analysis.studies.variant import run_variant
+from floeflow.analysis.studies.run import run_variant
 from floeflow.analysis.studies.variants import Variant
+from floeflow.coupling.chunk import Chunk
 from floeflow.diagnostics.diagnostics import write_json
-from floeflow.workflow.job import Snakemake, run_script, scene_of
+from floeflow.workflow.job import Snakemake, run_script, scene_folder, scene_of
 
 
 def main(snakemake: Snakemake) -> None:
     """Run the rule."""
-    scene = scene_of(snakemake)
+    given, folder = snakemake.input, scene_folder(snakemake)
+    os.environ["FLOEFLOW_PLUGIN"] = str(Path(given.plugin).resolve())
+    chunk = Chunk(
+        scene=scene_of(snakemake),
+        folder=folder,
+        windows=tuple(snakemake.params.windows),
+        state=Path(given.state),
+        plugin=Path(given.plugin),
+        ranks=1,
+        cells=Path(str(given.cells)) if given.cells else None,
+        library=snakemake.params.library,
+    )
+    base = json.loads(Path(str(given.base)).read_text()) if given.base else None
     variant = Variant.from_text(snakemake.params.variant)
-    study = str(snakemake.wildcards.study)
-    record = run_variant(Path(snakemake.config["scene"]), scene, study, variant)
+    record = run_variant(variant, chunk, base, folder / "cpu")
     write_json(record, Path(str(snakemake.output.record)))
 
 

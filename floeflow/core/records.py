@@ -18,9 +18,6 @@ from typing import Any
 
 from floeflow.core.atomic_write import write_text
 
-# Studies read from the logs what each stage cost.
-CPU_LINE = "CPU time: "
-
 
 @dataclass(frozen=True)
 class Record:

@@ -32,10 +32,12 @@ from floeflow.coupling.series import series_dataset, volumes
 from floeflow.dynamics.bonds.stress_free_growth import keep_forces
 from floeflow.dynamics.motion import Motion, move
 from floeflow.dynamics.remesh.remesh import carry_drift, cure
+from floeflow.forcings.window import window_forcing
 from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state, write_dataset, write_state
 from floeflow.state.cells import Cells, read_cells
 from floeflow.state.elements import pair_arrays, thin_bonds
+from floeflow.state.snapshots import join_snapshots
 
 Report = Callable[..., None]
 
@@ -216,36 +218,47 @@ def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
     scene = job.read_scene()
     state = on_root(comm, read_state, job.state)
     cells = read_cells(on_root(comm, read_dataset, job.cells)) if job.cells else None
-    for window, path in zip(job.windows, job.forcing, strict=True):
+    for number in range(job.done, len(job.windows)):
+        window, work = job.windows[number], resume.work_folder(folder, job.windows[number])
         began = time.perf_counter()
-        forcing = on_root(comm, read_dataset, path)
-        if window == job.windows[0]:
+        forcing = on_root(comm, window_forcing, scene, int(window), work)
+        cost = [Record("forcing", state.sizes["element"], comm.size, [time.perf_counter() - began])]
+        if number == job.done:
             warm_up(comm, scene, state, forcing)
-            began = time.perf_counter()
-        made_from = resume.window_hash(state, forcing, job.fixed)
-        log = folder / "log/window" / f"{window}.liggghts.log"
-        report = _reporter(comm, window)
-        advanced = advance_window(comm, scene, state, forcing, log, report, cells)
+            began = time.perf_counter() - cost[0].seconds[0]
+        log = folder / "log/windows" / f"{window}.liggghts.log"
+        advanced = advance_window(comm, scene, state, forcing, log, _reporter(comm, window), cells)
+        advanced.cost[:0] = cost
         provenance = json.loads(state.attrs["provenance"])
-        provenance |= job.fixed | {"window": made_from}
+        provenance |= job.fixed | {"window": job.hashes[number]}
         advanced.state.attrs["provenance"] = json.dumps(provenance, sort_keys=True)
-        work = resume.work_folder(folder, window)
-        on_root(comm, _write, advanced, work, began, scene.state.precision)
+        on_root(comm, _write, advanced, work, began, job.hashes[number], scene.state.precision)
+        if scene.state.keep == "chunks" and comm.rank == 0:
+            resume.drop_old_states(folder, job.windows[: number + 1])
         # What the next window starts from is what a restart would read.
-        state = on_root(comm, read_state, work / resume.PARTS["state"])
+        state = on_root(comm, read_state, work / resume.STATE)
 
 
 def _write(
-    advanced: Advanced, work: Path, began: float, precision: Literal["double", "single"]
+    advanced: Advanced,
+    work: Path,
+    began: float,
+    made_from: str,
+    precision: Literal["double", "single"],
 ) -> None:
-    # The state comes last: where it is, the others are too.
-    write_dataset(advanced.series, work / resume.PARTS["series"])
+    # All carry the hash: a window counts as finished only where it is whole.
+    mark = {resume.MADE_FROM: made_from, "window": int(advanced.state.attrs["window"])}
+    advanced.series.attrs = mark
+    write_dataset(advanced.series, work / resume.SERIES)
     known = sum(record.seconds[0] for record in advanced.cost)
     n, ranks = advanced.cost[0].n, advanced.cost[0].ranks
+    write_state(advanced.state, work / resume.STATE, precision)
+    kept = join_snapshots([read_state(work / resume.STATE)])
+    kept.attrs[resume.MADE_FROM] = made_from
+    write_dataset(kept, work / resume.ELEMENTS)
     rest = time.perf_counter() - began - known
     records = [*advanced.cost, Record("exchange", n, ranks, [rest])]
-    write_records(records, work / resume.PARTS["cost"])
-    write_state(advanced.state, work / resume.PARTS["state"], precision)
+    write_records(records, work / resume.COST)
 
 
 def _reporter(comm: MPI.Comm, window: str) -> Report:

@@ -20,13 +20,15 @@ class Job:
     state : str
         File of the state to start from.
     windows : list of str
-        Names of the windows.
-    forcing : list of str
-        Forcing file of each window.
+        Names of the chunk's windows.
+    done : int
+        How many of them, from the first on, are finished.
+    hashes : list of str
+        Hash of all that makes each window; see ``resume.window_hashes``.
     folder : str
         ``results/<scene>``.
     fixed : dict
-        Hashes that go into each window's hash; see ``resume.window_hash``.
+        What is the same for all windows of a run, kept in each state's provenance.
     cells : str
         File of the fresh cells; empty where nothing is remapped.
     """
@@ -34,7 +36,8 @@ class Job:
     scene: dict[str, object]
     state: str
     windows: list[str]
-    forcing: list[str]
+    done: int
+    hashes: list[str]
     folder: str
     fixed: dict[str, str]
     cells: str = ""

@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Rule ``window``: a group of coupling windows in one MPI launch.
-
-Skips the windows that an interrupted job of the same origin has finished, starts the ranks, shows
-their progress, turns their faults into one sentence, and publishes what they made.
-"""
+"""Start the MPI ranks of a chunk, show their progress, turn their faults into one sentence."""
 
 import json
 import logging
@@ -16,16 +12,9 @@ from typing import Any
 
 from floeflow.core import mpi
 from floeflow.core.errors import FloeError
-from floeflow.coupling import resume
 from floeflow.coupling.job import Job
 from floeflow.coupling.progress import show_progress
-from floeflow.scene import Scene, stage_hash
-
-
-def fixed_hashes(scene: Scene, plugin: str | Path, ranks: int) -> dict[str, str]:
-    """What goes into the hash of every window of a run; see ``resume.window_hash``."""
-    hashes = {stage: stage_hash(scene, stage) for stage in ("dynamics", "column", "cure")}
-    return {**hashes, "plugin": resume.file_hash(plugin), "ranks": str(ranks)}
+from floeflow.scene import Scene
 
 
 def run_ranks(job: Job, ranks: int, log: Path) -> None:
@@ -55,7 +44,7 @@ def run_ranks(job: Job, ranks: int, log: Path) -> None:
     ]
     log.parent.mkdir(parents=True, exist_ok=True)
     fault = ""
-    with open(log, "w") as errors, show_progress(job.windows) as show:
+    with open(log, "w") as errors, show_progress(job.windows[job.done :]) as show:
         try:
             ranks_process = subprocess.Popen(
                 command,
@@ -96,12 +85,13 @@ def _events(text: str) -> Iterator[dict[str, Any]]:
 
 def _last_words(job: Job, log: Path, code: int) -> str:
     """Make the sentence for ranks that ended without giving one."""
-    logs = [Path(job.folder) / "log/window" / f"{w}.liggghts.log" for w in job.windows]
+    logs = [Path(job.folder) / "log/windows" / f"{w}.liggghts.log" for w in job.windows[job.done :]]
     for path in [*reversed(logs), log]:
         if path.is_file():
             for text in reversed(path.read_text(errors="replace").splitlines()):
                 if re.match(r"ERROR|\w*Error\b|FATAL", text.strip()):
-                    return f"windows {job.windows[0]} to {job.windows[-1]}: {text.strip()} ({path})"
+                    span = f"windows {job.windows[job.done]} to {job.windows[-1]}"
+                    return f"{span}: {text.strip()} ({path})"
     words = [text.strip(" -") for text in log.read_text(errors="replace").splitlines()]
     last = next((text for text in reversed(words) if text), "nothing said")
     return f"the ranks ended with code {code}: {last} (see {log})"

@@ -1,27 +1,31 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Boundaries inside a job: kept where Snakemake does not look, trusted only by their hash.
+"""Windows inside a chunk: kept where Snakemake does not look, trusted only by their hash.
 
-Snakemake deletes the declared outputs of an interrupted job. Each window of a job is therefore
-written to ``results/<scene>/.windows/<window>/`` first. Its state carries a hash of all that made
-it: the state before, the forcing, the scene keys, the plugin, the number of ranks. A job that finds
-such a state with the hash that it would give itself goes on from there.
+Snakemake deletes the declared outputs of an interrupted job. Each window of a chunk is therefore
+written to ``results/<scene>/.windows/<window>/`` first. Its files carry a hash of all that made
+them: the state at the chunk's start, the scene keys, forcing, plugin, library, number of ranks, and
+the window's place. If a window with the expected hash exists, the job continues from it.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
+from collections.abc import Sequence
 from pathlib import Path
-
-import xarray as xr
 
 from floeflow import __version__
 from floeflow.core.errors import FloeError
 from floeflow.state import read_dataset, read_state
 
 WORK = ".windows"
-PARTS = {"state": "state.nc", "series": "series.nc", "cost": "cost.json"}
+STATE, ELEMENTS, SERIES, COST = "state.nc", "elements.nc", "series.nc", "cost.json"
+# A killed chunk goes on at its last state, or at the one before should that be damaged.
+STATES_KEPT = 2
+# Attribute with the hash in series and snapshots; the state has it in its provenance.
+MADE_FROM = "made_from"
 
 
 def work_folder(scene_folder: Path, window: str) -> Path:
@@ -37,81 +41,90 @@ def file_hash(path: str | Path) -> str:
     FloeError
         Where it cannot be read.
     """
+    digest = hashlib.sha256()
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+        with open(path, "rb") as file:
+            while block := file.read(1 << 20):
+                digest.update(block)
     except OSError as error:
         raise FloeError(f"{path}: cannot be read: {error.strerror}") from None
+    return digest.hexdigest()
 
 
-def window_hash(previous: xr.Dataset, forcing: xr.Dataset, fixed: dict[str, str]) -> str:
-    """Hash of all that makes a window's state.
+def window_hashes(start: str, windows: Sequence[str], fixed: dict[str, str]) -> list[str]:
+    """Hash of all that makes each window of a chunk.
 
     Parameters
     ----------
-    previous, forcing : xarray.Dataset
-        Read by ``read_dataset``: they carry their checksums.
+    start : str
+        Checksum of the state at the chunk's start.
+    windows : sequence of str
+        Names of the chunk's windows.
     fixed : dict
-        What is the same for all windows of a run: hashes of the scene keys, plugin, ranks.
+        What is the same for all windows of a run: hashes of scene keys, forcing files, plugin and
+        library, number of ranks.
     """
-    parts = {
-        "previous": previous.attrs["checksum"],
-        "forcing": forcing.attrs["checksum"],
-        "version": __version__,
-        **fixed,
-    }
-    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+    found: list[str] = []
+    before = start
+    for window in windows:
+        parts = {"before": before, "window": window, "version": __version__, **fixed}
+        before = hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+        found.append(before)
+    return found
 
 
-def finished(folder: Path, expected: str) -> xr.Dataset | None:
-    """State in a window's folder, where it is whole and was made from the same."""
+def finished_windows(scene_folder: Path, windows: Sequence[str], hashes: Sequence[str]) -> int:
+    """Number of windows of a chunk, from the first on, that are there and have their hash."""
+    whole = 0
+    for window, expected in zip(windows, hashes, strict=True):
+        if not _has_records(work_folder(scene_folder, window), expected):
+            break
+        whole += 1
+    for done in range(whole, 0, -1):
+        if _has_state(work_folder(scene_folder, windows[done - 1]), hashes[done - 1]):
+            return done
+    return 0
+
+
+def _has_records(folder: Path, expected: str) -> bool:
     try:
-        state = read_state(folder / PARTS["state"])
+        found = [read_dataset(folder / part).attrs.get(MADE_FROM) for part in (SERIES, ELEMENTS)]
     except FloeError:
-        return None
-    made_from = json.loads(state.attrs["provenance"]).get("window")
-    whole = all((folder / part).is_file() for part in PARTS.values())
-    return state if whole and made_from == expected else None
+        return False
+    return found == [expected, expected] and (folder / COST).is_file()
 
 
-def resume(
-    state: xr.Dataset,
-    windows: list[str],
-    forcing: list[str],
-    scene_folder: Path,
-    fixed: dict[str, str],
-) -> tuple[xr.Dataset, list[str], list[str]]:
-    """Skip the windows of a job that are finished already.
+def _has_state(folder: Path, expected: str) -> bool:
+    try:
+        state = read_state(folder / STATE)
+    except FloeError:
+        return False
+    return json.loads(state.attrs["provenance"]).get("window") == expected
 
-    Returns
-    -------
-    tuple of xarray.Dataset, list of str, list of str
-        The state to go on from, the windows left to do and their forcing files.
+
+def drop_old_states(scene_folder: Path, windows: Sequence[str]) -> None:
+    """Remove the states of a chunk's windows but the last ones.
+
+    Parameters
+    ----------
+    scene_folder : Path
+        ``results/<scene>``.
+    windows : sequence of str
+        Windows of the chunk that are done.
     """
-    for done, (window, path) in enumerate(zip(windows, forcing, strict=True)):
-        expected = window_hash(state, read_dataset(path), fixed)
-        after = finished(work_folder(scene_folder, window), expected)
-        if after is None:
-            return state, windows[done:], forcing[done:]
-        state = after
-    return state, [], []
+    for window in windows[:-STATES_KEPT]:
+        with contextlib.suppress(OSError):
+            (work_folder(scene_folder, window) / STATE).unlink(missing_ok=True)
 
 
-def publish(scene_folder: Path, windows: list[str]) -> None:
-    """Link each window's files to the places where people and later rules look for them.
+def link(source: Path, place: Path) -> None:
+    """Give a file a second name, as new as now; an older file there is replaced.
 
     Raises
     ------
     FloeError
-        Where a place cannot be written.
+        Where the place cannot be written.
     """
-    for window in windows:
-        for kind, part in PARTS.items():
-            source = work_folder(scene_folder, window) / part
-            place = scene_folder / kind / f"{window}{source.suffix}"
-            _link(source, place)
-
-
-def _link(source: Path, place: Path) -> None:
     temporary = place.with_name(f".{place.name}.{os.getpid()}")
     try:
         place.parent.mkdir(parents=True, exist_ok=True)

@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
 from floeflow import __version__
 from floeflow.core.atomic_write import write_whole
+from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
 from floeflow.scene import Scene
 from floeflow.scene.effects import output_variables
@@ -104,6 +107,12 @@ def describe(
     for name, edges in (("y_bnds", cells.y_edges), ("x_bnds", cells.x_edges)):
         data[name] = ((name[0], "bnds"), np.stack([edges[:-1], edges[1:]], axis=1))
     data["crs"] = ((), np.int32(0), crs.to_cf())
+    number = np.array([int(state.attrs["window"])], dtype=np.int32)
+    data["window"] = (
+        ("time",),
+        number,
+        {"long_name": "number of the coupling window", "units": "1"},
+    )
     names = ("siconc", "sithick", "sivol", *output_variables(scene.effects), "siu", "siv")
     for name in names:
         data[name] = (("time", "y", "x"), fields[name][None], _field_attributes(name))
@@ -111,7 +120,7 @@ def describe(
     _add_method(data, fields)
     data.attrs = {
         "Conventions": "CF-1.10",
-        "title": f"Sea ice of scene {scene.name} at window boundary {state.attrs['window']}",
+        "title": f"Sea ice of scene {scene.name}",
         "source": f"FloeFlow {__version__}, sea-ice discrete element model",
         "effects": " ".join(scene.effects),
         "history": f"{HISTORY[scene.grid.transfer]} (floeflow.diagnostics.gridded)",
@@ -176,7 +185,7 @@ def _add_areas(data: xr.Dataset, area: Array, sea: Array) -> None:
 
 
 def _add_method(data: xr.Dataset, fields: dict[str, Array]) -> None:
-    data["remap_method"] = (("y", "x"), fields["remap_method"])
+    data["remap_method"] = (("time", "y", "x"), fields["remap_method"][None])
     data["remap_method"].attrs = {
         "long_name": "how the ice's properties were averaged",
         "flag_values": np.array([0, 1, 2, 4], np.int8),
@@ -211,3 +220,84 @@ def write_grid(data: xr.Dataset, path: Path) -> None:
     """
     with write_whole(path) as temporary:
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
+
+
+def join_times(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Fields of several times in one dataset; what has no time dimension stays as in the first.
+
+    Parameters
+    ----------
+    parts : sequence of xarray.Dataset
+        From `describe`, in order of time, on one grid.
+    """
+    if len(parts) == 1:
+        return parts[0]
+    joined = xr.concat(
+        parts, "time", data_vars="minimal", coords="minimal", compat="override", join="override",
+        combine_attrs="override",
+    )  # fmt: skip
+    for name in joined.variables:
+        joined[name].encoding = dict(parts[0][name].encoding)
+    return joined
+
+
+def join_files(paths: Sequence[Path], target: Path) -> None:
+    """Append the times of CF files to each other, one file in memory at a time.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Files on one grid, in order of time, as `write_grid` writes them.
+    target : Path
+        The joined file, written whole or not at all; ``time`` is its record dimension.
+
+    Raises
+    ------
+    FloeError
+        Where a file cannot be read or the target cannot be written.
+    """
+    with write_whole(target) as temporary, netCDF4.Dataset(temporary, "w") as out:
+        for path in paths:
+            try:
+                with netCDF4.Dataset(path) as part:
+                    part.set_auto_maskandscale(False)
+                    if not out.variables:
+                        _define_like(part, out)
+                    _append_times(part, out)
+            except OSError as error:
+                raise FloeError(f"{path}: cannot be read as NetCDF: {error.strerror}") from None
+
+
+def _define_like(part: netCDF4.Dataset, out: netCDF4.Dataset) -> None:
+    out.set_auto_maskandscale(False)
+    out.setncatts({name: part.getncattr(name) for name in part.ncattrs()})
+    for name, dimension in part.dimensions.items():
+        out.createDimension(name, None if name == "time" else dimension.size)
+    for name, variable in part.variables.items():
+        attrs = {key: variable.getncattr(key) for key in variable.ncattrs()}
+        made = out.createVariable(
+            name,
+            variable.dtype,
+            variable.dimensions,
+            fill_value=attrs.pop("_FillValue", None),
+            compression="zlib" if variable.ndim >= 2 else None,
+            complevel=4,
+            chunksizes=_chunks(variable),
+        )
+        made.setncatts(attrs)
+        if "time" not in variable.dimensions:
+            made[...] = variable[...]
+
+
+def _chunks(variable: netCDF4.Variable) -> tuple[int, ...] | None:
+    """Chunks that suit maps as well as series: some tens of times of a piece of the map."""
+    if variable.dimensions[:1] != ("time",) or variable.ndim < 3:
+        return None
+    return (30, *(min(size, 64) for size in variable.shape[1:]))
+
+
+def _append_times(part: netCDF4.Dataset, out: netCDF4.Dataset) -> None:
+    first, count = out.dimensions["time"].size, part.dimensions["time"].size
+    for name, variable in part.variables.items():
+        if variable.dimensions[:1] == ("time",):
+            out[name][first : first + count] = variable[...]

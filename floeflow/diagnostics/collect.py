@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Read what the windows of a run left behind and lay it along common dimensions.
+"""Read what the chunks of a run left behind and lay it along common dimensions.
 
-A group of windows declares only its last window's files; the inner ones lie beside them under the
-same names. So the reader takes one declared path, its folder, and the numbers of all windows.
-States are read one at a time: only their totals are kept.
+Snapshots of the elements are read one at a time: only their totals are kept.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ import xarray as xr
 
 from floeflow.core.errors import FloeError
 from floeflow.scene.effects import diagnostic_series
-from floeflow.state import read_dataset, read_state
+from floeflow.state import read_dataset
 from floeflow.state.files import CHECKSUM
 from floeflow.state.schema import COAST, MOBILE
 
@@ -47,25 +46,13 @@ GRID_OUTSIDE = {
 }
 
 
-def window_file(folder: Path, window: int, suffix: str) -> Path:
-    """Path of a window's file; a FloeError in one sentence where it is missing."""
-    path = folder / f"{window:04d}{suffix}"
-    if not path.is_file():
-        raise FloeError(f"{path}: there is no such file, so window {window} is not complete")
-    return path
-
-
-def read_series(
-    folder: Path, windows: Sequence[int], effects: tuple[str, ...]
-) -> tuple[xr.Dataset, xr.Dataset]:
-    """Read the series of all windows.
+def read_series(paths: Sequence[Path], effects: tuple[str, ...]) -> tuple[xr.Dataset, xr.Dataset]:
+    """Read the series of all chunks.
 
     Parameters
     ----------
-    folder : Path
-        Folder with ``<window>.nc``.
-    windows : sequence of int
-        All windows, ascending from 1.
+    paths : sequence of Path
+        Series of the chunks, in order.
     effects : tuple of str
         The scene's effects: they say what must be there.
 
@@ -81,20 +68,15 @@ def read_series(
         For a missing or damaged file, or a variable that the effects ask for and is missing.
     """
     samples, scalars = [], []
-    for window in windows:
-        path = window_file(folder, window, ".nc")
+    for path in paths:
         data = read_dataset(path)
         for name in expected_series(effects):
             if name not in data:
                 raise FloeError(f"{path}: variable '{name}' is missing")
         data.attrs = {}
-        sampled = [str(name) for name in data.variables if data[name].dims == ("sample",)]
-        part = data[sampled].reset_coords()
-        part["sample_window"] = ("sample", np.full(part.sizes["sample"], window))
-        samples.append(part)
-        scalars.append(data[[str(name) for name in data.data_vars if not data[name].dims]])
+        samples.append(data.drop_dims("window"))
+        scalars.append(data.drop_dims("sample").set_coords("window"))
     joined = xr.concat(scalars, "window", join="exact", combine_attrs="drop_conflicts")
-    joined = joined.assign_coords(window=np.asarray(windows, dtype=np.int64))
     return xr.concat(samples, "sample", join="exact", combine_attrs="drop_conflicts"), joined
 
 
@@ -122,7 +104,7 @@ def intact(state: xr.Dataset) -> np.ndarray:
     return np.stack([state["bond_id_lo"].values, state["bond_id_hi"].values], axis=1)[holds]
 
 
-def broken_by_motion(samples: xr.Dataset, windows: Sequence[int]) -> np.ndarray:
+def broken_by_motion(samples: xr.Dataset, windows: Iterable[int]) -> np.ndarray:
     """Bonds broken since the start at each boundary, from the samples of the motion alone.
 
     Remapping and merging make other bonds between windows, so pairs cannot be compared then.
@@ -169,9 +151,18 @@ def mean(values: np.ndarray, weights: np.ndarray) -> float:
 
 
 def summarise_states(
-    folder: Path, windows: Sequence[int], effects: tuple[str, ...]
+    first: xr.Dataset, snapshots: Iterable[xr.Dataset], effects: tuple[str, ...]
 ) -> tuple[xr.Dataset, list[dict[str, Any]]]:
-    """Totals of the states at all boundaries, 0 to the last window.
+    """Totals of the elements at all boundaries, 0 to the last window.
+
+    Parameters
+    ----------
+    first : xarray.Dataset
+        State 0.
+    snapshots : iterable of xarray.Dataset
+        Elements at the ends of all windows, in order; read once.
+    effects : tuple of str
+        The scene's effects.
 
     Returns
     -------
@@ -179,28 +170,43 @@ def summarise_states(
         On ``boundary``: ``boundary_time`` (s), ``ice_area`` (m2), ``ice_volume`` (m3),
         ``mean_displacement`` and ``largest_displacement`` since the start (m), ``elements``,
         ``coast_elements``, ``ocean_area`` and ``unclaimed_water`` (m2), with snow
-        ``snow_volume`` (m3), with bonds ``bonds`` and ``bonds_broken`` since the start; and each
-        state's window and checksum.
+        ``snow_volume`` (m3); and each state's window and checksum.
     """
     rows: list[dict[str, float]] = []
     sums = []
-    first: xr.Dataset | None = None
-    pairs, broken = np.zeros((0, 2), dtype=np.int64), 0
-    for window in (0, *windows):
-        state = read_state(window_file(folder, window, ".nc"))
-        first = state if first is None else first
+    for state in itertools.chain([first], snapshots):
         row = _totals(first, state)
         if "snow" in effects:
             row["snow_volume"] = _volume(state, "snow_volume")
-        if "bonds" in effects:
-            now = intact(state)
-            broken += len(lost_pairs(pairs, now))
-            pairs = now
-            row["bonds"], row["bonds_broken"] = len(now), broken
         rows.append(row)
-        sums.append({"window": window, "checksum": str(state.attrs[CHECKSUM])})
+        sums.append({"window": int(state.attrs["window"]), "checksum": str(state.attrs[CHECKSUM])})
     columns = {name: ("boundary", np.array([row[name] for row in rows])) for name in rows[0]}
-    return xr.Dataset(columns, coords={"boundary": [0, *windows]}), sums
+    return xr.Dataset(columns, coords={"boundary": [row["window"] for row in sums]}), sums
+
+
+def bond_counts(
+    first: xr.Dataset, samples: xr.Dataset, scalars: xr.Dataset
+) -> dict[str, tuple[str, np.ndarray]]:
+    """Bonds alive, and broken by motion since the start, at all boundaries.
+
+    Parameters
+    ----------
+    first : xarray.Dataset
+        State 0.
+    samples, scalars : xarray.Dataset
+        From `read_series`.
+    """
+    number, held = samples["sample_window"].values, samples["intact_bonds"].values
+    windows = scalars["window"].values
+    ends = [int(held[number == window][-1]) for window in windows]
+    # Bonds that froze or that remapping made come between the windows.
+    after = [int(held[number == window][0]) for window in windows[1:]]
+    formed = scalars["bonds_refrozen"].values[-1] if "bonds_refrozen" in scalars else 0
+    alive = [len(intact(first)), *after, ends[-1] + int(formed)]
+    return {
+        "bonds": ("boundary", np.array(alive, dtype=np.int64)),
+        "bonds_broken": ("boundary", broken_by_motion(samples, windows)),
+    }
 
 
 def _volume(state: xr.Dataset, name: str) -> float:
@@ -224,14 +230,13 @@ def _totals(first: xr.Dataset, state: xr.Dataset) -> dict[str, float]:
 
 
 def read_grid(path: Path) -> xr.Dataset:
-    """Read a CF grid: missing values as NaN, the time dimension (one long) dropped."""
+    """Read CF fields with all their times: missing values as NaN, concentration as a share."""
     try:
         with xr.open_dataset(path, decode_times=False) as opened:
             data = opened.load()
     except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
         reason = "there is no such file" if not path.is_file() else type(error).__name__
         raise FloeError(f"{path}: cannot be read as NetCDF: {reason}") from None
-    data = data.isel(time=0, drop=True) if "time" in data.dims else data
     for name in ("x", "y", "siconc"):
         if name not in data.variables:
             raise FloeError(f"{path}: variable '{name}' is missing")
@@ -249,30 +254,25 @@ def cell_area(grid: xr.Dataset, path: Path) -> np.ndarray:
     return np.asarray(grid[name].values, dtype=float)
 
 
-def summarise_grids(paths: Sequence[Path]) -> xr.Dataset:
-    """Totals of the gridded output on ``grid``: grid_ice_area, outside_ice_area, ..."""
-    rows: list[dict[str, float]] = []
-    for path in paths:
-        data = read_grid(path)
-        area = cell_area(data, path)
-        row = {}
-        for name, factors in GRID_QUANTITIES.items():
-            if all(factor in data for factor in factors):
-                product = area.copy()
-                for factor in factors:
-                    product = product * data[factor].values
-                row[f"grid_{name}"] = float(np.nansum(product))
-                if GRID_OUTSIDE[name] in data:
-                    row[f"outside_{name}"] = float(data[GRID_OUTSIDE[name]])
-        rows.append(row)
-    names = sorted(set.intersection(*(set(row) for row in rows))) if rows else []
-    columns = {name: ("grid", np.array([row[name] for row in rows])) for name in names}
-    windows = np.array([int(path.stem) for path in paths], dtype=np.int64)
+def summarise_grid(path: Path) -> xr.Dataset:
+    """Totals of the gridded output on ``grid``, one a time: grid_ice_area, outside_ice_area, ..."""
+    data = read_grid(path)
+    area = cell_area(data, path)
+    columns = {}
+    for name, factors in GRID_QUANTITIES.items():
+        if all(factor in data for factor in factors):
+            product = np.broadcast_to(area, data["siconc"].shape)
+            for factor in factors:
+                product = product * data[factor].values
+            columns[f"grid_{name}"] = ("grid", np.nansum(product, axis=(1, 2)))
+            if GRID_OUTSIDE[name] in data:
+                columns[f"outside_{name}"] = ("grid", data[GRID_OUTSIDE[name]].values)
+    windows = data["window"].values.astype(np.int64)
     return xr.Dataset(columns, coords={"grid_window": ("grid", windows)})
 
 
-def read_cost(folder: Path, windows: Sequence[int]) -> list[dict[str, Any]]:
-    """Benchmark records of all windows, each with its ``window`` added.
+def read_cost(paths: Iterable[Path]) -> list[dict[str, Any]]:
+    """Benchmark records of all windows, each with its ``window``.
 
     Raises
     ------
@@ -280,14 +280,13 @@ def read_cost(folder: Path, windows: Sequence[int]) -> list[dict[str, Any]]:
         For a missing file or one that is no list of records.
     """
     found = []
-    for window in windows:
-        path = window_file(folder, window, ".json")
+    for path in paths:
         try:
             records = json.loads(path.read_text())
             found += [
                 {
                     **record,
-                    "window": window,
+                    "window": int(record["window"]),
                     "seconds": float(sum(record["seconds"])),
                     "name": str(record["name"]),
                     "n": int(record["n"]),

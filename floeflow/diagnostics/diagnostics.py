@@ -8,6 +8,7 @@ there: without bonds no bond series, without thermodynamics no growth and no col
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,6 @@ import numpy as np
 import xarray as xr
 
 from floeflow.core.atomic_write import write_text
-from floeflow.core.errors import FloeError
 from floeflow.diagnostics.budgets import (
     Budget,
     column_budgets,
@@ -26,12 +26,14 @@ from floeflow.diagnostics.budgets import (
     snow_volume_budget,
 )
 from floeflow.diagnostics.collect import (
-    broken_by_motion,
+    bond_counts,
     read_cost,
     read_series,
-    summarise_grids,
+    summarise_grid,
     summarise_states,
 )
+from floeflow.state import read_state
+from floeflow.state.snapshots import read_snapshots
 
 UNITS = {
     "boundary_time": ("s", "time since the scene's start"),
@@ -89,7 +91,7 @@ def close_budgets(
     boundaries : xarray.Dataset
         From `summarise_states`.
     grids : xarray.Dataset
-        From `summarise_grids`.
+        From `summarise_grid`.
     effects : tuple of str
         The scene's effects.
     """
@@ -213,19 +215,34 @@ def _finite(value: Any) -> Any:
     return value
 
 
-def diagnose(
-    folder: Path, windows: Sequence[int], grids: Sequence[Path], effects: tuple[str, ...]
-) -> tuple[xr.Dataset, dict[str, Any]]:
-    """Diagnose a run from its folder ``results/<scene>``.
+@dataclass(frozen=True)
+class RunFiles:
+    """Files of a run, chunks in order.
 
     Parameters
     ----------
-    folder : Path
-        With ``state/``, ``series/`` and ``cost/``.
-    windows : sequence of int
-        All windows of the run.
-    grids : sequence of Path
-        Gridded output, named by window.
+    first : Path
+        State 0.
+    elements, series, cost : sequence of Path
+        Of the chunks.
+    grid : Path or None
+        Fields of all boundaries, where the scene has gridded output.
+    """
+
+    first: Path
+    elements: Sequence[Path]
+    series: Sequence[Path]
+    cost: Sequence[Path]
+    grid: Path | None = None
+
+
+def diagnose(files: RunFiles, effects: tuple[str, ...]) -> tuple[xr.Dataset, dict[str, Any]]:
+    """Diagnose a run.
+
+    Parameters
+    ----------
+    files : RunFiles
+        What its chunks left.
     effects : tuple of str
         The scene's effects.
 
@@ -239,17 +256,15 @@ def diagnose(
     FloeError
         For a missing or damaged file, in one sentence that names it.
     """
-    windows = sorted(window for window in windows if window > 0)
-    if not windows:
-        raise FloeError(f"{folder}: there is no window to diagnose")
-    samples, scalars = read_series(folder / "series", windows, effects)
-    boundaries, states = summarise_states(folder / "state", windows, effects)
-    if "bonds_broken" in boundaries and {"remap", "merge"} & set(effects):
-        boundaries["bonds_broken"] = ("boundary", broken_by_motion(samples, windows))
-    costs = read_cost(folder / "cost", windows)
-    gridded = summarise_grids(sorted(grids)) if grids else xr.Dataset()
+    samples, scalars = read_series(files.series, effects)
+    first = read_state(files.first)
+    boundaries, states = summarise_states(first, read_snapshots(files.elements), effects)
+    if "bonds" in effects:
+        boundaries = boundaries.assign(bond_counts(first, samples, scalars))
+    costs = read_cost(files.cost)
+    gridded = summarise_grid(files.grid) if files.grid else xr.Dataset()
     budgets = close_budgets(samples, scalars, boundaries, gridded, effects)
-    seconds = cost_by_stage(costs, np.asarray(windows))
+    seconds = cost_by_stage(costs, scalars["window"].values)
     data = assemble(samples, scalars, boundaries, gridded, budgets, seconds)
     stages = {str(name): float(seconds.sel(stage=name).sum()) for name in seconds["stage"].values}
     return data, {

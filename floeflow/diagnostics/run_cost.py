@@ -13,17 +13,16 @@ from typing import Any
 
 from floeflow.core.errors import FloeError
 
-WINDOW = "window"
+WINDOW = "windows"
 ORDER = (
     "land",
     "mask",
     "packing",
     "bonds",
     "cells",
-    "analytic",
-    "forcing",
     "initial",
     WINDOW,
+    "fields",
     "grid",
     "diagnostics",
 )

@@ -21,7 +21,10 @@ from pydantic import (
 
 from floeflow.scene.effects import EFFECTS
 
-PlainName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}$")]
+# A plus sign stands in the names of studies' variants, which no user gives.
+PlainName = Annotated[
+    str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}(\+[a-z0-9_-]{1,127})?$")
+]
 
 
 EffectNames = Annotated[
@@ -338,6 +341,11 @@ class State(Block):
         "Precision of floating variables in state files; single: half the size, budgets close to "
         "1e-7. Places, areas and the sea's temperature stay double.",
     )
+    keep: Literal["chunks", "all"] = key(
+        "chunks",
+        "Which states stay: those at the ends of chunks (see workflow.windows_per_job), or all. "
+        "Elements, series and fields of every window stay in any case.",
+    )
 
 
 class Grid(Block):
@@ -365,7 +373,7 @@ class Workflow(Block):
     """How the run is cut into jobs; changes no result."""
 
     windows_per_job: int = key(
-        0, "Windows in one launch; 0: as few as keep the workflow under 150 jobs deep.", ge=0
+        60, "Windows of a chunk: one launch, one file of series, elements and fields.", ge=1
     )
 
 

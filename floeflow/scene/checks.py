@@ -22,6 +22,11 @@ def check_combinations(scene: Scene) -> None:
     FloeError
         One sentence that names the keys.
     """
+    if "+" in scene.name:
+        raise FloeError(
+            f"name: {scene.name!r} is no plain name (lower-case letters, digits, '_' and '-', at "
+            "most 64, no path)"
+        )
     _check_domain(scene)
     _check_times(scene)
     _check_step(scene)

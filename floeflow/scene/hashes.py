@@ -33,9 +33,9 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
         "column.layers",
         "column.initial_surface",
         "walls",
-        "state",
+        "state.precision",
     ),
-    "dynamics": ("effects", "dynamics", "time.window", "packing.coast_bonds", "state"),
+    "dynamics": ("effects", "dynamics", "time.window", "packing.coast_bonds", "state.precision"),
     "cells": ("seed",),
     "cure": ("remap", "merge", "packing.bond_gap"),
     "column": ("effects", "column", "time.window"),
@@ -46,6 +46,17 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     # All that a mesh shows stands in packing and states.
     "mesh": (),
     "report": ("report", "name", "effects", "domain", "time.start", "time.window"),
+}
+
+
+# The stages whose results a stage builds on, nearest first.
+BEFORE: dict[str, tuple[str, ...]] = {
+    "land": (),
+    "mask": ("land",),
+    "packing": ("mask",),
+    "bonds": ("packing",),
+    "cells": ("packing",),
+    "initial": ("packing", "bonds"),
 }
 
 
@@ -73,3 +84,12 @@ def stage_hash(scene: Scene, stage: str) -> str:
     """Hash (16 hexadecimal digits) of the keys that a stage reads."""
     text = json.dumps(stage_values(scene, stage), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def chain_hash(scene: Scene, stage: str) -> str:
+    """Hash of the keys of a stage of preprocessing and of all stages before it.
+
+    Two scenes with the same hash have the same file of that stage.
+    """
+    parts = [stage_hash(scene, stage), *(chain_hash(scene, each) for each in BEFORE[stage])]
+    return hashlib.sha256(" ".join(parts).encode()).hexdigest()[:16]

@@ -76,6 +76,23 @@ def _read(path: Path) -> bytes:
     return raw
 
 
+def read_resolved(path: str | Path) -> Scene:
+    """Read a scene whose keys were all resolved before, as ``results/<scene>/scene.yaml`` is.
+
+    Raises
+    ------
+    FloeError
+        Where the file cannot be read or does not hold a scene.
+    """
+    path = Path(path)
+    try:
+        keys = _keys_of(_read(path))
+        keys.setdefault("name", path.stem)
+        return Scene.model_validate(keys)
+    except ValidationError as error:
+        raise FloeError(f"{path}: {_validation_sentence(error)}") from None
+
+
 def read_keys(path: str | Path) -> dict[str, Any]:
     """Read the keys that a scene file sets, before any default or check of their values.
 

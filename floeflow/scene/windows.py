@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How the coupling windows of a run are named and cut into jobs."""
+"""How the coupling windows of a run are named and cut into chunks."""
 
 from __future__ import annotations
 
-import math
+from floeflow.core.errors import FloeError
 
-# Recursive chains of jobs exhaust Python's stack near 400; a window is one job deep.
+# Recursive chains of jobs exhaust Python's stack near 400; a chunk is one job deep.
 MAX_DEPTH = 140
 
 
@@ -14,21 +14,31 @@ def window_name(number: int) -> str:
     return f"{number:04d}"
 
 
-def window_groups(windows: int, per_job: int) -> dict[str, list[str]]:
-    """Cut windows 1..n into groups, each under the name of its last window.
+def window_chunks(windows: int, per_job: int) -> dict[str, list[str]]:
+    """Cut windows 1..n into chunks, each under the name of its last window.
 
-    Groups start at fixed windows, so that a longer run keeps all full groups of a shorter one.
+    Chunks start at fixed windows, so that a longer run keeps all full chunks of a shorter one.
 
     Parameters
     ----------
     windows : int
         Number of windows of the run.
     per_job : int
-        Windows in one job; 0 chooses as few as keep the chain of jobs short.
+        Windows in one chunk.
+
+    Raises
+    ------
+    FloeError
+        Where the chain of chunks would be too long for the workflow.
     """
-    size = per_job or math.ceil(windows / MAX_DEPTH)
-    groups = {}
-    for first in range(1, windows + 1, size):
-        names = [window_name(w) for w in range(first, min(first + size, windows + 1))]
-        groups[names[-1]] = names
-    return groups
+    least = -(-windows // MAX_DEPTH)
+    if per_job < least:
+        raise FloeError(
+            f"workflow.windows_per_job is {per_job}: {windows} windows need {least} or more in a "
+            f"job, as a workflow may be {MAX_DEPTH} jobs deep"
+        )
+    chunks = {}
+    for first in range(1, windows + 1, per_job):
+        names = [window_name(w) for w in range(first, min(first + per_job, windows + 1))]
+        chunks[names[-1]] = names
+    return chunks

@@ -7,6 +7,7 @@ thereby seen by the next one, which refuses to write beside it (``floeflow.core.
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import resource
@@ -15,10 +16,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
+from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import hold_job
-from floeflow.core.records import CPU_LINE
-from floeflow.scene import Scene, load_scene
+from floeflow.scene import Scene
+from floeflow.scene.load import read_resolved
 
 
 class Snakemake(Protocol):
@@ -31,6 +33,7 @@ class Snakemake(Protocol):
     config: Any
     wildcards: Any
     threads: int
+    rule: str
 
 
 def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
@@ -40,9 +43,9 @@ def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
     form = "%(asctime)s %(name)s %(levelname)s %(message)s"
     logging.basicConfig(filename=log, filemode="w", level=logging.INFO, format=form)
     try:
-        with hold_job(scene_folder(snakemake)):
+        with hold_job(lock_folder(snakemake)):
             main(snakemake)
-        logging.info("%s%.3f s", CPU_LINE, cpu_seconds())
+        _keep_cost(snakemake)
     except FloeError as error:
         logging.error("%s", error)
         print(f"floeflow: {error}", file=sys.stderr, flush=True)
@@ -62,12 +65,27 @@ def cpu_seconds() -> float:
     return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
 
 
+def _keep_cost(snakemake: Snakemake) -> None:
+    """Write the job's CPU seconds where studies and the cost model read them."""
+    words = [snakemake.rule, *map(str, getattr(snakemake.wildcards, "chunk", "").split())]
+    record = {"rule": snakemake.rule, "cpu_seconds": cpu_seconds()}
+    write_text(
+        json.dumps(record) + "\n", scene_folder(snakemake) / "cpu" / f"{'-'.join(words)}.json"
+    )
+
+
 def scene_of(snakemake: Snakemake) -> Scene:
-    """Scene of the running stage."""
-    return load_scene(snakemake.config["scene"])
+    """Scene of the running job, as the workflow resolved it."""
+    return read_resolved(snakemake.input.scene)
 
 
 def scene_folder(snakemake: Snakemake) -> Path:
     """``results/<scene>`` of the running stage; the folder of its output where it has no scene."""
     name = getattr(snakemake.wildcards, "scene", None)
     return Path("results") / str(name) if name else Path(str(snakemake.output[0])).parent
+
+
+def lock_folder(snakemake: Snakemake) -> Path:
+    """Folder of the lock that the job holds: a variant is written under its base scene's lock."""
+    folder = scene_folder(snakemake)
+    return folder.with_name(folder.name.partition("+")[0])

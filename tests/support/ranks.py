@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from floeflow.core.mpi import mpi_environment
+from floeflow.core.plugin import plugin_path
 from floeflow.dynamics.engine.engine import Engine
-from floeflow.dynamics.engine.plugin import plugin_path
 from floeflow.state.bonds import Arrays
 
 KINDS = ("element", "bond", "contact", "wall")

@@ -42,7 +42,7 @@ class Place:
             *("--snakefile", str(PROJECT / "Snakefile")),
             *("--profile", str(PROJECT / "workflows/profiles/local")),
             *("--directory", str(self.folder)),
-            *("--cores", "2", "--set-threads", f"window={ranks}"),
+            *("--cores", "2", "--set-threads", f"windows={ranks}"),
             *[option for option in more if option.startswith("-")],
             *("--config", f"scene={scene}", "--"),
             *[target for target in more if not target.startswith("-")],

@@ -1,141 +1,188 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What all rules share: the run, its groups of windows, and the inputs that depend on them."""
+"""What all rules share: scenes by name, hashes of what a stage reads, and input functions."""
 
-import sys
 from pathlib import Path
 
-from floeflow.scene import stage_hash
-from floeflow.workflow.open_run import PLUGIN, open_scene
-from floeflow.diagnostics.study_summaries import valid_digests
 from floeflow.analysis.studies.plans import STUDIES, study_variants
+from floeflow.diagnostics.study_summaries import valid_digests
+from floeflow.forcings.window import forcing_files
+from floeflow.scene import stage_hash
+from floeflow.workflow.library import library_digest
+from floeflow.workflow.scenes import Scenes
 
-RUN = open_scene(config, workflow)
-EFFECTS = RUN.scene.effects
-GRIDDED = "grid_output" in EFFECTS
+SCENES = Scenes(config, workflow)
+RESULTS = f"results/{SCENES.default}"
 # Stages whose scene keys the runs of a study depend on.
 STUDY_STAGES = ("mask", "packing", "bonds", "dynamics", "column", "estimate")
-HARD_CASES_FOLDER = Path(workflow.basedir) / "tests/stability"
-HARD_CASES = sorted(
-    path.stem.removeprefix("test_") for path in HARD_CASES_FOLDER.glob("test_*.py")
-)
+
+
+def scene_hashes(name, *stages):
+    """Hash of the scene keys that these stages read: a changed plot key reruns no window."""
+    return "-".join(stage_hash(SCENES.scene(name), stage) for stage in stages)
 
 
 def keys_of(*stages):
-    """Hash of the scene keys that these stages read: a changed plot key reruns no window."""
-    return "-".join(stage_hash(RUN.scene, stage) for stage in stages)
+    """Params function: hash of the keys that these stages read of the wildcard's scene."""
+
+    def keys(wildcards):
+        return scene_hashes(wildcards.scene, *stages)
+
+    return keys
 
 
-def previous_state(wildcards):
-    """State before the group of windows that ends with this one."""
-    return f"results/{wildcards.scene}/state/{RUN.before(wildcards.window)}.nc"
+def scene_file(wildcards):
+    """The resolved scene; its age means nothing, hashes tell what a stage reads of it."""
+    return SCENES.file(wildcards.scene)
 
 
-def group_forcing(wildcards):
-    """Forcing of each window of the group."""
-    windows = RUN.groups[wildcards.window]
-    return [f"results/{wildcards.scene}/forcing/{window}.nc" for window in windows]
+def made(stage, name, effect=None):
+    """Input function: a file of preprocessing, of the scene that owns it, where it is needed."""
+
+    def path(wildcards):
+        if effect and effect not in SCENES.scene(wildcards.scene).effects:
+            return []
+        return f"results/{SCENES.owner(wildcards.scene, stage)}/{name}"
+
+    return path
 
 
-def group_windows(wildcards):
-    """Names of the group's windows."""
-    return RUN.groups[wildcards.window]
+def mask_file(wildcards):
+    """The user's ice mask."""
+    return SCENES.scene(wildcards.scene).mask.file
 
 
-def forcing_source(wildcards):
-    """The user's forcing file, or the analytic one of this window."""
-    if RUN.scene.forcing.source == "file":
-        return RUN.scene.forcing.file
-    return f"results/{wildcards.scene}/forcing/analytic_{wildcards.window}.nc"
-
-
-def group_ends(pattern):
-    """Files of this kind for each group of windows."""
-    return [pattern.replace("{window}", end) for end in RUN.ends]
-
-
-def land_input(wildcards):
+def land_file(wildcards):
     """Land of the 1 km mask, where the scene asks for it."""
-    wanted = RUN.scene.mask.land == "global_land_mask"
-    return f"results/{wildcards.scene}/preprocess/land.nc" if wanted else []
-
-
-def bonds_input(wildcards):
-    """Bond table, where the scene has bonds."""
-    return (
-        f"results/{wildcards.scene}/preprocess/bonds.nc" if "bonds" in EFFECTS else []
-    )
-
-
-def cells_input(wildcards):
-    """Fresh cells, where the scene remaps."""
-    return (
-        f"results/{wildcards.scene}/preprocess/cells.nc" if "remap" in EFFECTS else []
-    )
+    wanted = SCENES.scene(wildcards.scene).mask.land == "global_land_mask"
+    return made("land", "preprocess/land.nc")(wildcards) if wanted else []
 
 
 def wall_mesh(wildcards):
     """Mesh of a wall, where the scene has one."""
-    wanted = "walls" in EFFECTS and RUN.scene.walls.mesh
-    return RUN.scene.walls.mesh if wanted else []
+    scene = SCENES.scene(wildcards.scene)
+    return scene.walls.mesh if "walls" in scene.effects and scene.walls.mesh else []
 
 
-def grid_inputs(wildcards):
-    """Gridded output at all ends of groups, where the scene has it."""
-    ends = ["0000", *RUN.ends] if GRIDDED else []
-    return [f"results/{wildcards.scene}/grid/{end}.nc" for end in ends]
+def user_forcing(wildcards):
+    """Forcing files of the user; formulae need none."""
+    return list(forcing_files(SCENES.scene(wildcards.scene)))
 
 
-def extra_targets():
-    """Files besides the report that the scene's effects bring."""
-    names = ["elements.lammpsdump", "drift.nc"]
-    wanted = "trajectory_output" in EFFECTS
-    return [f"{RUN.folder}/trajectory/{name}" for name in names if wanted]
+def chosen_by(wildcards):
+    """Who chose the effects: the scene, or the estimates."""
+    return SCENES.run(wildcards.scene).chosen_by
+
+
+def chunk_windows(wildcards):
+    """Windows of a chunk."""
+    return SCENES.run(wildcards.scene).chunks[wildcards.chunk]
+
+
+def state_before(wildcards):
+    """State at a chunk's start."""
+    before = SCENES.run(wildcards.scene).before(wildcards.chunk)
+    return f"results/{wildcards.scene}/state/{before}.nc"
+
+
+def start_of_run(wildcards):
+    """State 0, where the chunk is the first."""
+    state = state_before(wildcards)
+    return [state] if state.endswith("/0000.nc") else []
+
+
+def of_chunks(pattern):
+    """Input function: a file of each chunk."""
+
+    def paths(wildcards):
+        chunks = SCENES.run(wildcards.scene).chunks
+        return expand(pattern, scene=wildcards.scene, chunk=chunks)
+
+    return paths
+
+
+def grid_file(wildcards):
+    """Gridded output, where the scene has it."""
+    wanted = "grid_output" in SCENES.scene(wildcards.scene).effects
+    return f"results/{wildcards.scene}/grid.nc" if wanted else []
+
+
+def last_state(wildcards):
+    """State at the end of the run."""
+    return f"results/{wildcards.scene}/state/{SCENES.run(wildcards.scene).last}.nc"
+
+
+def mesh_files(scene):
+    """Meshes of all window boundaries."""
+    return expand(
+        "results/{scene}/mesh/{window}.vtu",
+        scene=scene,
+        window=["0000", *SCENES.run(scene).windows],
+    )
+
+
+def default_targets():
+    """The report of the scene that the command line names, and what its effects bring beside it."""
+    effects = SCENES.scene(SCENES.default).effects
+    names = (
+        ["elements.lammpsdump", "drift.nc"] if "trajectory_output" in effects else []
+    )
+    return [
+        f"{RESULTS}/report.html",
+        *(f"{RESULTS}/trajectory/{name}" for name in names),
+    ]
 
 
 def stage_benchmarks(wildcards):
     """What Snakemake measured of the stages before and after the windows."""
+    run = SCENES.run(wildcards.scene)
     stages = ["mask", "packing", "initial", "diagnostics"]
-    if land_input(wildcards):
-        stages.insert(0, "land")
-    if bonds_input(wildcards):
-        stages.insert(-2, "bonds")
-    if cells_input(wildcards):
-        stages.insert(-2, "cells")
-    windows = [f"window/{window}" for window in RUN.ends]
-    grids = [f"grid/{window}" for window in ["0000", *RUN.ends] if GRIDDED]
-    forcing = [f"forcing/{window}" for window in RUN.windows]
-    names = [*stages, *forcing, *windows, *grids]
-    return [f"results/{wildcards.scene}/benchmarks/{name}.tsv" for name in names]
+    stages += ["land"] if run.scene.mask.land == "global_land_mask" else []
+    stages += ["bonds"] if "bonds" in run.scene.effects else []
+    stages += ["cells"] if "remap" in run.scene.effects else []
+    chunked = ["windows"]
+    if "grid_output" in run.scene.effects:
+        stages, chunked = [*stages, "grid"], [*chunked, "fields"]
+    names = [*stages, *expand("{rule}/{chunk}", rule=chunked, chunk=run.chunks)]
+    return expand(
+        "results/{scene}/benchmarks/{name}.tsv", scene=wildcards.scene, name=names
+    )
 
 
-def study_records(study):
-    """Records of all runs of a study."""
-    names = study_variants(study, RUN.scene)
-    return [f"{RUN.folder}/{study}/{name}.json" for name in names]
+def variant_of(wildcards):
+    """What a run of a study changes in its base scene: another change runs it again."""
+    base, _, name = wildcards.scene.partition("+")
+    study, _, variant = name.partition("-")
+    return study_variants(study, SCENES.scene(base))[variant].as_text()
 
 
-def variant_text(wildcards):
-    """What a run changes in the scene: another change runs it again."""
-    variants = study_variants(wildcards.study, RUN.scene)
-    return variants[wildcards.variant].as_text()
+def all_windows(wildcards):
+    """Windows of a run of a study, which is one chunk."""
+    return SCENES.run(wildcards.scene).windows
 
 
 def base_record(wildcards):
-    """The base run, with which all others share their preprocessing and are compared."""
-    folder = f"results/{wildcards.scene}/{wildcards.study}"
-    return [] if wildcards.variant == "base" else f"{folder}/base.json"
+    """The base run of the study, with which all others are compared."""
+    base, _, name = wildcards.scene.partition("+")
+    study, _, variant = name.partition("-")
+    return [] if variant == "base" else f"results/{base}+{study}-base/record.json"
 
 
-def ablation_records(wildcards):
-    """Records of all runs of the ablation study."""
-    return study_records("ablation")
+def study_records(study):
+    """Input function: records of all runs of a study."""
 
+    def records(wildcards):
+        names = study_variants(study, SCENES.scene(wildcards.scene))
+        return expand(
+            "results/{scene}+{study}-{variant}/record.json",
+            scene=wildcards.scene,
+            study=study,
+            variant=names,
+        )
 
-def accuracy_records(wildcards):
-    """Records of all runs of the accuracy study."""
-    return study_records("accuracy")
+    return records
 
 
 def finished_studies(wildcards):
     """Studies that the report shows: those that are there and hold for this scene."""
-    return valid_digests(Path(RUN.folder), keys_of(*STUDY_STAGES))
+    folder = Path("results") / wildcards.scene
+    return valid_digests(folder, scene_hashes(wildcards.scene, *STUDY_STAGES))

@@ -7,21 +7,20 @@ snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory m
 
 rule trajectory:
     input:
-        f"{RUN.folder}/trajectory/elements.lammpsdump",
-        f"{RUN.folder}/trajectory/drift.nc",
+        f"{RESULTS}/trajectory/elements.lammpsdump",
+        f"{RESULTS}/trajectory/drift.nc",
 
 
 rule mesh:
     input:
-        f"{RUN.folder}/mesh/elements.pvd",
+        f"{RESULTS}/mesh/elements.pvd",
 
 
 rule trajectory_files:
     input:
-        states=[
-            "results/{scene}/state/0000.nc",
-            *group_ends("results/{scene}/state/{window}.nc"),
-        ],
+        scene=ancient(scene_file),
+        first="results/{scene}/state/0000.nc",
+        elements=of_chunks("results/{scene}/elements/{chunk}.nc"),
     output:
         trajectory="results/{scene}/trajectory/elements.lammpsdump",
         drift="results/{scene}/trajectory/drift.nc",
@@ -34,24 +33,19 @@ rule trajectory_files:
         runtime=30,
     params:
         scene_keys=keys_of("trajectory"),
-        windows=RUN.windows,
+        library=library_digest("trajectory"),
     message:
-        "Trajectory: the elements through all states, and their drift"
+        "Trajectory: the elements through all windows, and their drift"
     script:
         "../../postprocess/trajectory_files.py"
 
 
 rule mesh_files:
     input:
-        packing="results/{scene}/preprocess/packing.nc",
-        states=[
-            "results/{scene}/state/0000.nc",
-            *group_ends("results/{scene}/state/{window}.nc"),
-        ],
+        first="results/{scene}/state/0000.nc",
+        elements=of_chunks("results/{scene}/elements/{chunk}.nc"),
+        packing=made("packing", "preprocess/packing.nc"),
     output:
-        meshes=[
-            f"results/{{scene}}/mesh/{window}.vtu" for window in ["0000", *RUN.windows]
-        ],
         series="results/{scene}/mesh/elements.pvd",
     log:
         "results/{scene}/log/mesh.log",
@@ -62,7 +56,7 @@ rule mesh_files:
         runtime=30,
     params:
         scene_keys=keys_of("mesh"),
-        windows=RUN.windows,
+        library=library_digest("mesh"),
     message:
         "Mesh: the elements' cells at all window boundaries"
     script:

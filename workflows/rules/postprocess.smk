@@ -1,37 +1,61 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""From states to grids, diagnostics and the report."""
+"""From snapshots of the elements to grids, diagnostics and the report."""
 
 
-rule grid:
+rule fields:
     input:
-        state="results/{scene}/state/{window}.nc",
-        mask="results/{scene}/preprocess/mask.nc",
+        scene=ancient(scene_file),
+        start=start_of_run,
+        elements="results/{scene}/elements/{chunk}.nc",
+        mask=made("mask", "preprocess/mask.nc"),
     output:
-        grid="results/{scene}/grid/{window}.nc",
+        fields="results/{scene}/fields/{chunk}.nc",
     log:
-        "results/{scene}/log/grid/{window}.log",
+        "results/{scene}/log/fields/{chunk}.log",
     benchmark:
-        "results/{scene}/benchmarks/grid/{window}.tsv"
+        "results/{scene}/benchmarks/fields/{chunk}.tsv"
+    wildcard_constraints:
+        chunk=r"[0-9]*[1-9][0-9]*",
     resources:
         mem_mb=1000,
         runtime=10,
     params:
         scene_keys=keys_of("grid"),
+        library=library_digest("fields"),
     message:
-        "Grid: state {wildcards.window} on the scene's grid"
+        "Fields: windows up to {wildcards.chunk} on the scene's grid"
+    script:
+        "../../postprocess/fields.py"
+
+
+rule grid:
+    input:
+        fields=of_chunks("results/{scene}/fields/{chunk}.nc"),
+    output:
+        grid="results/{scene}/grid.nc",
+    log:
+        "results/{scene}/log/grid.log",
+    benchmark:
+        "results/{scene}/benchmarks/grid.tsv"
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        library=library_digest("fields"),
+    message:
+        "Grid: the fields of all windows in one file"
     script:
         "../../postprocess/grid.py"
 
 
 rule diagnostics:
     input:
-        states=[
-            "results/{scene}/state/0000.nc",
-            *group_ends("results/{scene}/state/{window}.nc"),
-        ],
-        series=group_ends("results/{scene}/series/{window}.nc"),
-        cost=group_ends("results/{scene}/cost/{window}.json"),
-        grids=grid_inputs,
+        scene=ancient(scene_file),
+        first="results/{scene}/state/0000.nc",
+        elements=of_chunks("results/{scene}/elements/{chunk}.nc"),
+        series=of_chunks("results/{scene}/series/{chunk}.nc"),
+        cost=of_chunks("results/{scene}/cost/{chunk}.json"),
+        grid=grid_file,
     output:
         dataset="results/{scene}/diagnostics.nc",
         headline="results/{scene}/diagnostics.json",
@@ -44,7 +68,7 @@ rule diagnostics:
         runtime=10,
     params:
         scene_keys=keys_of("diagnostics"),
-        windows=RUN.windows,
+        library=library_digest("diagnostics"),
     message:
         "Diagnostics: series, budgets and their residuals"
     script:
@@ -53,13 +77,14 @@ rule diagnostics:
 
 rule report:
     input:
+        scene=ancient(scene_file),
         diagnostics="results/{scene}/diagnostics.nc",
         headline="results/{scene}/diagnostics.json",
         first_state="results/{scene}/state/0000.nc",
-        last_state=f"results/{{scene}}/state/{RUN.ends[-1]}.nc",
-        grids=grid_inputs,
-        mask="results/{scene}/preprocess/mask.nc",
-        packing="results/{scene}/preprocess/packing.nc",
+        last_state=last_state,
+        grid=grid_file,
+        mask=made("mask", "preprocess/mask.nc"),
+        packing=made("packing", "preprocess/packing.nc"),
         estimates="results/{scene}/effects.json",
         benchmarks=stage_benchmarks,
     output:
@@ -74,6 +99,7 @@ rule report:
         runtime=10,
     params:
         scene_keys=keys_of("report"),
+        library=library_digest("report"),
         studies=finished_studies,
     message:
         "Report: maps, series, budgets and cost of the scene"

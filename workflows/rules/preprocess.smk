@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""From the ice mask to the state at the start: land, mask, packing, bonds, forcing."""
+"""From the ice mask to the state at the start: land, mask, packing, bonds."""
 
 
 rule land:
+    input:
+        scene=ancient(scene_file),
     output:
         land="results/{scene}/preprocess/land.nc",
     log:
@@ -14,6 +16,7 @@ rule land:
         runtime=10,
     params:
         scene_keys=keys_of("land"),
+        library=library_digest("land"),
     message:
         "Land: share of each mask cell on the 1 km land mask"
     script:
@@ -22,8 +25,9 @@ rule land:
 
 rule mask:
     input:
-        source=RUN.scene.mask.file,
-        land=land_input,
+        scene=ancient(scene_file),
+        source=mask_file,
+        land=land_file,
     output:
         mask="results/{scene}/preprocess/mask.nc",
     log:
@@ -35,6 +39,7 @@ rule mask:
         runtime=10,
     params:
         scene_keys=keys_of("mask"),
+        library=library_digest("mask"),
     message:
         "Mask: ice concentration and thickness of {input.source} on the scene's grid"
     script:
@@ -43,7 +48,8 @@ rule mask:
 
 rule estimate:
     input:
-        source=RUN.scene.mask.file,
+        scene=ancient(scene_file),
+        source=mask_file,
     output:
         estimates="results/{scene}/effects.json",
     log:
@@ -55,6 +61,8 @@ rule estimate:
         runtime=10,
     params:
         scene_keys=keys_of("estimate"),
+        library=library_digest("estimate"),
+        chosen_by=chosen_by,
     message:
         "Estimate: what each effect would change and cost"
     script:
@@ -63,7 +71,8 @@ rule estimate:
 
 rule packing:
     input:
-        mask="results/{scene}/preprocess/mask.nc",
+        scene=ancient(scene_file),
+        mask=made("mask", "preprocess/mask.nc"),
     output:
         packing="results/{scene}/preprocess/packing.nc",
     log:
@@ -75,6 +84,7 @@ rule packing:
         runtime=30,
     params:
         scene_keys=keys_of("packing"),
+        library=library_digest("packing"),
     message:
         "Packing: elements over the ice, their cells and radii"
     script:
@@ -83,8 +93,9 @@ rule packing:
 
 rule cells:
     input:
-        mask="results/{scene}/preprocess/mask.nc",
-        packing="results/{scene}/preprocess/packing.nc",
+        scene=ancient(scene_file),
+        mask=made("mask", "preprocess/mask.nc"),
+        packing=made("packing", "preprocess/packing.nc"),
     output:
         cells="results/{scene}/preprocess/cells.nc",
     log:
@@ -96,6 +107,7 @@ rule cells:
         runtime=30,
     params:
         scene_keys=keys_of("cells"),
+        library=library_digest("cells"),
     message:
         "Cells: the sea around the ice, for remapping"
     script:
@@ -104,7 +116,8 @@ rule cells:
 
 rule bonds:
     input:
-        packing="results/{scene}/preprocess/packing.nc",
+        scene=ancient(scene_file),
+        packing=made("packing", "preprocess/packing.nc"),
     output:
         bonds="results/{scene}/preprocess/bonds.nc",
     log:
@@ -116,54 +129,18 @@ rule bonds:
         runtime=10,
     params:
         scene_keys=keys_of("bonds"),
+        library=library_digest("bonds"),
     message:
         "Bonds: glue lines between neighbours"
     script:
         "../../preprocess/bonds.py"
 
 
-rule analytic:
-    output:
-        forcing="results/{scene}/forcing/analytic_{window}.nc",
-    log:
-        "results/{scene}/log/analytic/{window}.log",
-    benchmark:
-        "results/{scene}/benchmarks/analytic/{window}.tsv"
-    resources:
-        mem_mb=1000,
-        runtime=10,
-    params:
-        scene_keys=keys_of("forcing"),
-    message:
-        "Forcing: cyclone, gyre and weather of window {wildcards.window}"
-    script:
-        "../../preprocess/analytic.py"
-
-
-rule forcing:
-    input:
-        source=forcing_source,
-    output:
-        forcing="results/{scene}/forcing/{window}.nc",
-    log:
-        "results/{scene}/log/forcing/{window}.log",
-    benchmark:
-        "results/{scene}/benchmarks/forcing/{window}.tsv"
-    resources:
-        mem_mb=2000,
-        runtime=10,
-    params:
-        scene_keys=keys_of("forcing"),
-    message:
-        "Forcing: {input.source} on the scene's grid, window {wildcards.window}"
-    script:
-        "../../preprocess/forcing.py"
-
-
 rule initial:
     input:
-        packing="results/{scene}/preprocess/packing.nc",
-        bonds=bonds_input,
+        scene=ancient(scene_file),
+        packing=made("packing", "preprocess/packing.nc"),
+        bonds=made("bonds", "preprocess/bonds.nc", "bonds"),
         mesh=wall_mesh,
     output:
         state="results/{scene}/state/0000.nc",
@@ -176,6 +153,7 @@ rule initial:
         runtime=10,
     params:
         scene_keys=keys_of("initial", "mask"),
+        library=library_digest("initial"),
     message:
         "State 0: elements and bonds at the start"
     script:

@@ -1,28 +1,124 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Runs of a study: variants of the scene, each through a workflow of its own."""
+"""On request: runs of studies, which are scenes of their own, and the pages of what they showed.
+
+snakemake --profile workflows/profiles/local --config scene=PATH -- ablation accuracy
+
+The hard cases are tests: `make stability` runs them, and then the rule that draws their records.
+"""
 
 
 rule variant:
     input:
-        source=RUN.scene.mask.file,
-        plugin=str(PLUGIN),
+        scene=ancient(scene_file),
+        state=made("initial", "state/0000.nc"),
+        cells=made("cells", "preprocess/cells.nc", "remap"),
+        forcing=user_forcing,
+        plugin=SCENES.plugin,
         base=base_record,
     output:
-        record="results/{scene}/{study}/{variant}.json",
+        record="results/{scene}/record.json",
     log:
-        "results/{scene}/{study}/log/{variant}.log",
+        "results/{scene}/log/variant.log",
     benchmark:
-        "results/{scene}/{study}/benchmarks/{variant}.tsv"
+        "results/{scene}/benchmarks/variant.tsv"
     wildcard_constraints:
-        study="|".join(STUDIES),
-        variant=r"[a-z0-9_-]+",
+        scene=r"[a-z0-9][a-z0-9_-]*\+[a-z0-9_-]+",
     resources:
         mem_mb=4000,
         runtime=240,
     params:
-        scene_keys=keys_of(*STUDY_STAGES),
-        variant=variant_text,
+        scene_keys=keys_of("dynamics", "column", "cure", "forcing", "initial", "grid"),
+        library=library_digest("windows"),
+        windows=all_windows,
+        variant=variant_of,
     message:
-        "Study {wildcards.study}: {wildcards.variant}"
+        "Study: {wildcards.scene}"
     script:
         "../../studies/variant.py"
+
+
+rule ablation:
+    input:
+        f"{RESULTS}/ablation.html",
+
+
+rule ablation_page:
+    input:
+        scene=ancient(scene_file),
+        records=study_records("ablation"),
+    output:
+        page="results/{scene}/ablation.html",
+        table="results/{scene}/ablation/ablation.table.json",
+        digest="results/{scene}/ablation/digest.json",
+        figures=directory("results/{scene}/ablation/figures"),
+    log:
+        "results/{scene}/log/ablation.log",
+    benchmark:
+        "results/{scene}/benchmarks/ablation.tsv"
+    resources:
+        mem_mb=2000,
+        runtime=10,
+    params:
+        scene_keys=keys_of("report"),
+        library=library_digest("studies"),
+        study_keys=keys_of(*STUDY_STAGES),
+    message:
+        "Ablation: real change and saving of each effect beside the estimate"
+    script:
+        "../../studies/ablation_page.py"
+
+
+rule accuracy:
+    input:
+        f"{RESULTS}/accuracy.html",
+
+
+rule accuracy_page:
+    input:
+        scene=ancient(scene_file),
+        records=study_records("accuracy"),
+        mask=made("mask", "preprocess/mask.nc"),
+    output:
+        page="results/{scene}/accuracy.html",
+        data="results/{scene}/accuracy/accuracy.nc",
+        table="results/{scene}/accuracy/accuracy.table.json",
+        digest="results/{scene}/accuracy/digest.json",
+        figures=directory("results/{scene}/accuracy/figures"),
+    log:
+        "results/{scene}/log/accuracy.log",
+    benchmark:
+        "results/{scene}/benchmarks/accuracy.tsv"
+    resources:
+        mem_mb=4000,
+        runtime=20,
+    params:
+        scene_keys=keys_of("report"),
+        library=library_digest("studies"),
+        study_keys=keys_of(*STUDY_STAGES),
+    message:
+        "Accuracy: error against cost, orders, recommendations"
+    script:
+        "../../studies/accuracy_page.py"
+
+
+rule stability_page:
+    input:
+        records="results/stability/records.json",
+    output:
+        page="results/stability/stability.html",
+        table="results/stability/table.md",
+        digest="results/stability/digest.json",
+        figures=directory("results/stability/figures"),
+    log:
+        "results/stability/log/page.log",
+    benchmark:
+        "results/stability/benchmarks/page.tsv"
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        library=library_digest("studies"),
+    message:
+        "Stability: what the hard cases showed"
+    script:
+        "../../studies/stability_page.py"

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from floeflow.core.constants import ICE_DENSITY
 from floeflow.scene.effects import plugin_switches
-from floeflow.scene.windows import window_groups
+from floeflow.scene.windows import window_chunks
 
 if TYPE_CHECKING:
     from floeflow.analysis.estimate.conditions import Conditions
@@ -107,7 +107,7 @@ def sizes(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients
         elements=c.elements * (1.0 + coast),
         steps=steps,
         windows=scene.time.windows,
-        launches=len(window_groups(scene.time.windows, scene.workflow.windows_per_job)),
+        launches=len(window_chunks(scene.time.windows, scene.workflow.windows_per_job)),
         column_steps=inner,
         cells=cells,
         mask_cells=cells * scene.mask.refine**2,

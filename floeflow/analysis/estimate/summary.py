@@ -11,10 +11,18 @@ from floeflow.analysis.estimate.conditions import conditions
 from floeflow.scene import Scene
 
 
-def estimates(scene: Scene) -> dict[str, Any]:
-    """Choice, conditions and estimates of a scene, in JSON types."""
+def estimates(scene: Scene, chosen_by: str) -> dict[str, Any]:
+    """Choice, conditions and estimates of a scene, in JSON types.
+
+    Parameters
+    ----------
+    scene : Scene
+        With concrete effects.
+    chosen_by : str
+        ``auto`` or ``scene``: who chose them.
+    """
     return {
-        "chosen_by": "auto" if scene.auto else "scene",
+        "chosen_by": chosen_by,
         "effects": list(scene.effects),
         "conditions": dict(numbers_behind(conditions(scene))),
         "estimates": [row.as_dict() for row in scene_estimates(scene)],

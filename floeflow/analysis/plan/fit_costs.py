@@ -17,14 +17,14 @@ from scipy.optimize import nnls
 from floeflow.analysis.estimate.conditions import Conditions, conditions
 from floeflow.analysis.estimate.cost import bonded, forcing_jobs
 from floeflow.analysis.plan.propose import adjusted
-from floeflow.analysis.resolve import resolve_scene
-from floeflow.analysis.studies.nested import stage_cpu
-from floeflow.analysis.studies.variants import BASE
+from floeflow.analysis.studies.outcome import stage_cpu
+from floeflow.analysis.studies.variants import BASE, run_name
 from floeflow.core.constants import ICE_DENSITY
 from floeflow.core.errors import FloeError
 from floeflow.diagnostics.collect import read_grid
 from floeflow.scene import Scene
 from floeflow.scene.effects import EFFECTS, plugin_switches
+from floeflow.scene.load import read_resolved
 
 # Stages after the windows that every whole run has.
 AFTER = ("estimate", "diagnostics", "report")
@@ -60,16 +60,23 @@ def read_runs(folders: Iterable[Path]) -> list[Run]:
     """
     found = []
     for folder in folders:
-        base = folder / "scenes" / f"{BASE}.yaml"
+        base = base_scene(folder)
         if not base.is_file():
             raise FloeError(f"{folder}: there is no study here")
-        c = conditions(resolve_scene(base))
-        for path in sorted(folder.glob("*.json")):
+        c = conditions(read_resolved(base))
+        runs = run_name(folder.parent.name, folder.name, "*")
+        for path in sorted(folder.parent.parent.glob(f"{runs}/record.json")):
             record = json.loads(path.read_text())
-            if "variant" in record and not record["fault"]:
-                scene = resolve_scene(folder / "scenes" / f"{record['variant']}.yaml")
+            if not record["fault"]:
+                scene = read_resolved(path.with_name("scene.yaml"))
                 found.append(Run(scene, adjusted(c, scene), record))
     return found
+
+
+def base_scene(folder: Path) -> Path:
+    """Resolved scene of the base run of a study ``results/<scene>/<study>``."""
+    name = run_name(folder.parent.name, folder.name, BASE)
+    return folder.parent.parent / name / "scene.yaml"
 
 
 def fit_costs(runs: Sequence[Run], old: Mapping[str, float]) -> dict[str, float]:
@@ -96,15 +103,15 @@ def fit_whole_runs(folders: Iterable[Path], job: float) -> dict[str, float]:
     """
     found: dict[str, list[float]] = {"report": [], "land": [], "grid_per_cell": []}
     for folder in folders:
-        cpu = stage_cpu(folder / "log")
+        cpu = stage_cpu(folder / "cpu")
         found["report"].append(sum(cpu.get(name, 0.0) for name in AFTER))
         if "land" in cpu:
             found["land"].append(cpu["land"])
-        grids = sorted((folder / "grid").glob("*.nc"))
-        if grids and "grid" in cpu:
-            sizes = read_grid(grids[0]).sizes
-            slope = (cpu["grid"] / len(grids) - job) / (sizes["x"] * sizes["y"])
-            found["grid_per_cell"].append(max(0.0, slope))
+        if (folder / "grid.nc").is_file() and "fields" in cpu:
+            sizes = read_grid(folder / "grid.nc").sizes
+            cells = sizes["x"] * sizes["y"] * sizes["time"]
+            chunks = len(list((folder / "fields").glob("*.nc")))
+            found["grid_per_cell"].append(max(0.0, (cpu["fields"] - chunks * job) / cells))
     return {name: median(values) for name, values in found.items() if values}
 
 

@@ -14,12 +14,12 @@ import numpy as np
 import xarray as xr
 
 from floeflow.analysis.estimate.conditions import conditions
+from floeflow.analysis.plan.fit_costs import base_scene
 from floeflow.analysis.plan.precision import resolutions
-from floeflow.analysis.resolve import resolve_scene
 from floeflow.analysis.studies.knobs import knobs
 from floeflow.analysis.studies.measures import KEPT
-from floeflow.analysis.studies.variants import BASE
 from floeflow.scene import Scene
+from floeflow.scene.load import read_resolved
 from floeflow.state import read_dataset
 
 # Errors below this are round-off or chaos and say nothing of a law.
@@ -45,7 +45,7 @@ class Study:
 def read_studies(folders: Iterable[Path]) -> list[Study]:
     """Accuracy studies of ``results/<scene>/<study>``: the folders with an ``accuracy.nc``."""
     return [
-        Study(resolve_scene(f / "scenes" / f"{BASE}.yaml"), read_dataset(f / "accuracy.nc"))
+        Study(read_resolved(base_scene(f)), read_dataset(f / "accuracy.nc"))
         for f in folders
         if (f / "accuracy.nc").is_file()
     ]

@@ -6,9 +6,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from floeflow.analysis.plan.fit_costs import fit_costs, fit_whole_runs, read_runs
+from floeflow.analysis.plan.fit_costs import base_scene, fit_costs, fit_whole_runs, read_runs
 from floeflow.analysis.plan.fit_errors import fit_choices, fit_laws, read_studies
-from floeflow.analysis.studies.variants import BASE
 from floeflow.core.errors import FloeError
 from floeflow.core.records import machine
 from floeflow.scene.docs import PROJECT
@@ -32,7 +31,8 @@ def refit(results: Path, costs: Path, precision: Path) -> list[str]:
     FloeError
         Where there is no study.
     """
-    studies = sorted(p.parent.parent for p in results.glob(f"*/*/scenes/{BASE}.yaml"))
+    pages = [page.parent for page in sorted(results.glob("*/*/digest.json"))]
+    studies = [folder for folder in pages if base_scene(folder).is_file()]
     folders = [folder for folder in studies if folder.parent.name not in held_out()]
     if not folders:
         raise FloeError(f"{results}: there is no study to fit to; run 'ablation' and 'accuracy'")

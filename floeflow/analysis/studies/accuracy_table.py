@@ -22,7 +22,6 @@ from floeflow.analysis.studies.norms import errors, on_grid, relative
 from floeflow.analysis.studies.orders import with_tail
 from floeflow.analysis.studies.variants import BASE
 from floeflow.scene import Scene
-from floeflow.state import read_dataset
 
 Record = Mapping[str, Any]
 REFERENCE = "all-finest"
@@ -88,16 +87,14 @@ class Accuracy:
 class Runs:
     """Results of the study's runs, read once each."""
 
-    def __init__(self, scene: Scene, records: Mapping[str, Record], results: Path) -> None:
-        self.scene, self.records, self.results = scene, records, results
-        base = results / str(records[BASE]["name"])
-        self.mask = read_dataset(base / "preprocess/mask.nc")
+    def __init__(self, scene: Scene, records: Mapping[str, Record], mask: xr.Dataset) -> None:
+        self.scene, self.records, self.mask = scene, records, mask
         self._read: dict[str, tuple[RunEnds, tuple[xr.Dataset, xr.Dataset]]] = {}
 
     def ends(self, run: str) -> tuple[RunEnds, tuple[xr.Dataset, xr.Dataset]]:
         """States of a run and its fields on the base scene's grid, brought there in its own way."""
         if run not in self._read:
-            ends = read_ends(self.results / str(self.records[run]["name"]))
+            ends = read_ends(*map(Path, self.records[run]["ends"]))
             self._read[run] = ends, on_grid(self._gridded(run), ends, self.mask)
         return self._read[run]
 
@@ -116,7 +113,7 @@ class Runs:
         return run in self.records and not self.records[run]["fault"]
 
 
-def analyse(scene: Scene, records: Sequence[Record], results: Path = Path("results")) -> Accuracy:
+def analyse(scene: Scene, records: Sequence[Record], mask: xr.Dataset) -> Accuracy:
     """Compare all runs of a study.
 
     Parameters
@@ -125,11 +122,11 @@ def analyse(scene: Scene, records: Sequence[Record], results: Path = Path("resul
         The scene of the study.
     records : sequence of mapping
         Of all runs.
-    results : Path
-        Where the runs lie.
+    mask : xarray.Dataset
+        The scene's mask.
     """
     by_name = {str(record["variant"]): record for record in records}
-    runs = Runs(scene, by_name, results)
+    runs = Runs(scene, by_name, mask)
     repeats = [name for name, record in by_name.items() if record["group"] == "repeat"]
     alike = [BASE, *repeats]
     usual = {

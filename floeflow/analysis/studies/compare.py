@@ -31,10 +31,9 @@ class RunEnds:
     last: xr.Dataset
 
 
-def read_ends(folder: Path) -> RunEnds:
-    """States at start and end of a run, from its folder ``results/<scene>``."""
-    paths = sorted((folder / "state").glob("*.nc"))
-    return RunEnds(read_state(paths[0]), read_state(paths[-1]))
+def read_ends(first: Path, last: Path) -> RunEnds:
+    """States at start and end of a run."""
+    return RunEnds(read_state(first), read_state(last))
 
 
 def paths_of(run: RunEnds) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

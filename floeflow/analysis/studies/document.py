@@ -21,12 +21,14 @@ from floeflow.analysis.studies.ablation_table import Ablation, ablation_table
 from floeflow.analysis.studies.accuracy_figure import is_felt
 from floeflow.analysis.studies.accuracy_table import Accuracy, analyse
 from floeflow.analysis.studies.measures import KEPT
+from floeflow.analysis.studies.variants import run_name
 from floeflow.core.errors import FloeError, answer
 from floeflow.core.records import machine
 from floeflow.report.figures.style import write_png
 from floeflow.report.study_page import DPI, Table, as_markdown
 from floeflow.scene import Scene
 from floeflow.scene.docs import PROJECT
+from floeflow.state import read_dataset
 
 EXAMPLES = ("free_drift_day", "winter_pack", "summer_melt_month", "marginal_ice_zone")
 PAGE, IMAGES = PROJECT / "docs/studies.md", PROJECT / "docs/images/studies"
@@ -42,9 +44,8 @@ def study_records(scene: Scene, study: str, results: Path) -> list[dict]:
     """Records of a study; empty where its page was never made."""
     if not (results / scene.name / f"{study}.html").is_file():
         return []
-    folder = results / scene.name / study
-    found = [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
-    return [record for record in found if "variant" in record]
+    runs = results.glob(f"{run_name(scene.name, study, '*')}/record.json")
+    return [json.loads(path.read_text()) for path in sorted(runs)]
 
 
 def effects_section(scene: Scene, study: Ablation) -> str:
@@ -110,7 +111,9 @@ def write_document(results: Path = Path("results")) -> Path:
             # Drawn anew: the estimates may be those of a later fit.
             write_png(ablation_figure(ablation), IMAGES / f"{name}_ablation.png", DPI)
         if records := study_records(scene, "accuracy", results):
-            accuracy = analyse(scene, records, results)
+            accuracy = analyse(
+                scene, records, read_dataset(results / scene.name / "preprocess/mask.nc")
+            )
             parts.append(accuracy_section(scene, accuracy))
             for norm in (norm for norm in KEPT if is_felt(accuracy, norm)):
                 source = results / name / f"accuracy/figures/accuracy_{norm}.png"

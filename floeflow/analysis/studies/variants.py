@@ -2,7 +2,7 @@
 """Variants: scenes of their own that differ from a base scene in a few keys.
 
 A study is a list of variants, the first of which is ``base``. A variant runs through the same
-workflow as any scene, under ``results/<scene>--<study>-<variant>``.
+workflow as any scene, under ``results/<scene>+<study>-<variant>``.
 """
 
 from __future__ import annotations
@@ -11,14 +11,11 @@ import copy
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any
-
-import yaml
 
 from floeflow.core.errors import FloeError
 from floeflow.scene import Scene
-from floeflow.scene.load import build_scene, read_keys
+from floeflow.scene.load import build_scene
 
 BASE = "base"
 
@@ -56,7 +53,7 @@ class Variant:
 
 def run_name(scene: str, study: str, variant: str) -> str:
     """Name of a variant's scene."""
-    return f"{scene}--{study}-{variant}"
+    return f"{scene}+{study}-{variant}"
 
 
 def changed(keys: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -79,33 +76,36 @@ def changed(keys: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
     return data
 
 
-def variant_keys(path: Path, scene: Scene, study: str, variant: Variant) -> dict[str, Any]:
-    """Keys of a variant: the scene's file, with one job for all windows, and the changes.
+def variant_scene(keys: Mapping[str, Any], scene: Scene, study: str, variant: Variant) -> Scene:
+    """Scene of a variant: the base scene's keys, one chunk for all windows, and the changes.
 
     Effects are written out, so that ``effects: auto`` is decided once for the whole study.
-    """
-    common = {
-        "effects": list(scene.effects),
-        "name": run_name(scene.name, study, variant.name),
-        "workflow.windows_per_job": variant.changes.get("time.windows", scene.time.windows),
-    }
-    return changed(read_keys(path), {**common, **variant.changes})
 
-
-def write_variant(keys: Mapping[str, Any], path: Path) -> Scene:
-    """Validate a variant and write its scene file; the file is left alone where it is the same.
+    Parameters
+    ----------
+    keys : mapping
+        As the base scene's file sets them.
+    scene : Scene
+        The base scene.
+    study : str
+        Name of the study.
+    variant : Variant
+        What the variant changes.
 
     Raises
     ------
     FloeError
         Where the changes make no valid scene.
     """
+    common = {
+        "effects": list(scene.effects),
+        "name": scene.name,
+        "workflow.windows_per_job": variant.changes.get("time.windows", scene.time.windows),
+    }
+    name = run_name(scene.name, study, variant.name)
     try:
-        scene = build_scene(keys)
+        made = build_scene(changed(keys, {**common, **variant.changes}))
     except FloeError as error:
-        raise FloeError(f"variant '{keys.get('name')}': {error}") from None
-    text = yaml.safe_dump(dict(keys), sort_keys=False)
-    if not path.is_file() or path.read_text() != text:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    return scene
+        raise FloeError(f"variant '{name}': {error}") from None
+    # A plus sign is in no name that a user may give, so no scene can be taken for a variant.
+    return made.model_copy(update={"name": name})

@@ -15,6 +15,7 @@ from mpi4py import MPI
 from numpy.ctypeslib import ndpointer
 
 from floeflow.core.errors import FloeError
+from floeflow.core.plugin import plugin_path
 
 _INTEGERS = ndpointer(np.int64, flags="C_CONTIGUOUS")
 _NUMBERS = ndpointer(np.float64, flags="C_CONTIGUOUS")
@@ -70,14 +71,6 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "floe_sums": (ctypes.c_int, [ctypes.c_void_p, _NUMBERS, ctypes.c_int]),
     "floe_fault": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
 }
-
-
-def plugin_path() -> Path:
-    """Where the plugin lies: FLOEFLOW_PLUGIN, else in the build folder of the repository."""
-    named = os.environ.get("FLOEFLOW_PLUGIN")
-    if named:
-        return Path(named)
-    return Path(__file__).resolve().parents[3] / "build" / "liggghts_models" / "libfloe.so"
 
 
 @functools.cache

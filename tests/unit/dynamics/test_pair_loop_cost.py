@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from floeflow.core.mpi import mpi_environment
-from floeflow.dynamics.engine.plugin import plugin_path
+from floeflow.core.plugin import plugin_path
 
 
 def inclusive_counts(counts: Path) -> dict[str, int]:

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A chunk of coupling windows in one MPI launch.
+
+Skips the windows that an interrupted job has finished, starts the ranks for the others, and
+publishes what all of them made: the state at the chunk's end, and series, snapshots of the elements
+and costs of all windows, one file a chunk.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from floeflow.core.atomic_write import write_text
+from floeflow.core.lock import hold_alone
+from floeflow.coupling import resume
+from floeflow.coupling.job import Job
+from floeflow.coupling.launch import run_ranks
+from floeflow.forcings.window import forcing_files
+from floeflow.scene import Scene, stage_hash
+from floeflow.state import read_dataset, read_state, write_dataset
+from floeflow.state.snapshots import join_snapshots, split_snapshots
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Windows to advance, and from what.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    folder : Path
+        ``results/<scene>``.
+    windows : tuple of str
+        Names of the windows, in order.
+    state : Path
+        State at the chunk's start.
+    plugin : Path
+        The LIGGGHTS plugin.
+    ranks : int
+        MPI ranks.
+    cells : Path or None
+        Fresh cells of a scene that remaps.
+    library : str
+        Digest of the code that makes the windows.
+    """
+
+    scene: Scene
+    folder: Path
+    windows: tuple[str, ...]
+    state: Path
+    plugin: Path
+    ranks: int
+    cells: Path | None = None
+    library: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the chunk: that of its last window."""
+        return self.windows[-1]
+
+    def path(self, kind: str, suffix: str = ".nc") -> Path:
+        """Published file of a kind."""
+        return self.folder / kind / f"{self.name}{suffix}"
+
+
+def fixed_hashes(chunk: Chunk) -> dict[str, str]:
+    """What goes into the hash of every window of a run; see ``resume.window_hashes``."""
+    stages = ("dynamics", "column", "cure", "forcing")
+    hashes = {stage: stage_hash(chunk.scene, stage) for stage in stages}
+    files = [resume.file_hash(path) for path in forcing_files(chunk.scene)]
+    return {
+        **hashes,
+        "forcing_files": " ".join(files),
+        "plugin": resume.file_hash(chunk.plugin),
+        "library": chunk.library,
+        "ranks": str(chunk.ranks),
+    }
+
+
+def run_chunk(chunk: Chunk) -> int:
+    """Advance a chunk's windows and publish what they made; the number of windows that ran.
+
+    Raises
+    ------
+    FloeError
+        Where the ranks fail, in the sentence of the rank at fault, or a file cannot be written.
+        The windows before are kept for the next try.
+    """
+    fixed = fixed_hashes(chunk)
+    lock = chunk.folder / resume.WORK / f"{chunk.windows[0]}.lock"
+    with hold_alone(lock, f"window {chunk.windows[0]} of {chunk.folder}"):
+        start = str(read_state(chunk.state).attrs["checksum"])
+        hashes = resume.window_hashes(start, chunk.windows, fixed)
+        done = resume.finished_windows(chunk.folder, chunk.windows, hashes)
+        if done:
+            logging.info(
+                "windows %s to %s are there already", chunk.windows[0], chunk.windows[done - 1]
+            )
+        todo = chunk.windows[done:]
+        if todo:
+            previous = resume.work_folder(chunk.folder, chunk.windows[done - 1]) / resume.STATE
+            job = Job(
+                scene=chunk.scene.model_dump(mode="json"),
+                state=str(previous if done else chunk.state),
+                windows=list(chunk.windows),
+                done=done,
+                hashes=hashes,
+                folder=str(chunk.folder),
+                fixed=fixed,
+                cells=str(chunk.cells or ""),
+            )
+            run_ranks(job, chunk.ranks, chunk.folder / "log/windows" / f"{chunk.name}.ranks.log")
+        publish(chunk)
+    return len(todo)
+
+
+def publish(chunk: Chunk) -> None:
+    """Write a chunk's files to the places where people and later rules look for them.
+
+    Raises
+    ------
+    FloeError
+        Where a window's files are missing or a place cannot be written.
+    """
+    folders = [resume.work_folder(chunk.folder, window) for window in chunk.windows]
+    write_dataset(
+        join_series([read_dataset(f / resume.SERIES) for f in folders]), chunk.path("series")
+    )
+    snapshots = [
+        part for f in folders for part in split_snapshots(read_dataset(f / resume.ELEMENTS))
+    ]
+    write_dataset(join_snapshots(snapshots), chunk.path("elements"))
+    costs: list[dict[str, Any]] = []
+    for window, folder in zip(chunk.windows, folders, strict=True):
+        records = json.loads((folder / resume.COST).read_text())
+        costs += [{**record, "window": int(window)} for record in records]
+    write_text(json.dumps(costs, indent=1) + "\n", chunk.path("cost", ".json"))
+    if chunk.scene.state.keep == "all":
+        for window, folder in zip(chunk.windows[:-1], folders[:-1], strict=True):
+            resume.link(folder / resume.STATE, chunk.folder / "state" / f"{window}.nc")
+    resume.link(folders[-1] / resume.STATE, chunk.path("state"))
+
+
+def join_series(series: list[xr.Dataset]) -> xr.Dataset:
+    """Series of consecutive windows in one dataset.
+
+    Parameters
+    ----------
+    series : list of xarray.Dataset
+        Series of each window, with its number as attribute ``window``: samples on ``sample``,
+        scalars of the budgets.
+
+    Returns
+    -------
+    xarray.Dataset
+        Samples of all windows on ``sample`` (a boundary stands twice, before and after the column)
+        with ``sample_window``; scalars on ``window``.
+    """
+    samples, scalars = [], []
+    for data in series:
+        window = int(data.attrs["window"])
+        sampled = [str(name) for name in data.variables if data[name].dims == ("sample",)]
+        part = data[sampled].reset_coords()
+        part["sample_window"] = ("sample", np.full(part.sizes["sample"], window, dtype=np.int64))
+        samples.append(part)
+        scalars.append(data[[str(name) for name in data.data_vars if not data[name].dims]])
+    numbers = np.array([int(data.attrs["window"]) for data in series], dtype=np.int64)
+    joined = xr.concat(scalars, "window", join="exact", combine_attrs="drop")
+    joined = joined.assign_coords(window=numbers)
+    made = xr.merge([xr.concat(samples, "sample", join="exact", combine_attrs="drop"), joined])
+    made.attrs = {}
+    return made

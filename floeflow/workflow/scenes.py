@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Scenes of a workflow by name: what a rule's wildcard ``{scene}`` stands for.
+
+The main process resolves a scene when a rule first asks for it: it validates the keys and input
+files, makes the effects concrete, takes the scene's lock and writes ``results/<scene>/scene.yaml``.
+Jobs only read that file. A scene ``<base>+<study>-<variant>`` is the base scene with the changes of
+a study's variant. All refusals are one sentence and exit code 1.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from floeflow.analysis.resolve import resolve_scene
+from floeflow.analysis.studies.plans import study_variants
+from floeflow.analysis.studies.variants import variant_scene
+from floeflow.core.atomic_write import write_text
+from floeflow.core.errors import FloeError
+from floeflow.core.lock import claim_scene, clear_stale_locks
+from floeflow.core.plugin import plugin_path
+from floeflow.forcings.inputs import check_forcing_file, check_mask_file
+from floeflow.scene import Scene
+from floeflow.scene.hashes import chain_hash
+from floeflow.scene.load import read_keys, read_resolved
+from floeflow.scene.windows import window_chunks, window_name
+
+DEFAULT_SCENE = "config/scenes/arctic_1981.yaml"
+SHIPPED = Path("config/scenes")
+CONFIG_KEYS = ("scene",)
+# Ways to call Snakemake that only look.
+LOOKING = {"--lint", "-l", "--summary", "-S", "--detailed-summary", "-D", "--dag", "--rulegraph"}
+LOOKING |= {"--filegraph", "--d3dag", "--list-rules", "--list", "--list-target-rules", "--lt"}
+
+RESULTS = Path("results")
+# Separates the base scene from the variant in a scene's name.
+PLUS = "+"
+
+
+@dataclass(frozen=True)
+class Run:
+    """A resolved scene and how its run is cut into jobs.
+
+    Parameters
+    ----------
+    scene : Scene
+        With concrete effects.
+    chunks : dict
+        Windows of each chunk, by the chunk's name.
+    chosen_by : str
+        ``auto`` where the effects come from ``effects: auto``, else ``scene``.
+    """
+
+    scene: Scene
+    chunks: dict[str, list[str]]
+    chosen_by: str = "scene"
+
+    @property
+    def windows(self) -> list[str]:
+        """Names of all windows, in order."""
+        return [window for chunk in self.chunks.values() for window in chunk]
+
+    @property
+    def last(self) -> str:
+        """Name of the last window."""
+        return list(self.chunks)[-1]
+
+    def before(self, chunk: str) -> str:
+        """Name of the window before a chunk."""
+        return window_name(int(self.chunks[chunk][0]) - 1)
+
+
+class Scenes:
+    """The scenes that a workflow knows, resolved once each.
+
+    Parameters
+    ----------
+    config : dict
+        Snakemake's ``--config``; only ``scene=PATH`` is known.
+    workflow : snakemake.workflow.Workflow
+        The running workflow.
+    """
+
+    def __init__(self, config: dict[str, Any], workflow: Any) -> None:
+        self._runs: dict[str, Run] = {}
+        self._main = bool(workflow.is_main_process)
+        looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
+        self._writes = self._main and not (workflow.output_settings.dryrun or looking)
+        try:
+            self._plugin = plugin_path(Path(workflow.basedir))
+            for name in config:
+                if name not in CONFIG_KEYS:
+                    raise FloeError(f"--config {name}=...: only scene=PATH is known")
+            # Jobs read the path from the same place.
+            self._path = Path(str(config.setdefault("scene", DEFAULT_SCENE)))
+            self.default = str(read_keys(self._path).get("name", self._path.stem))
+            self.run(self.default)
+        except FloeError as error:
+            _leave(error)
+
+    @property
+    def plugin(self) -> str:
+        """Path of the LIGGGHTS plugin."""
+        return str(self._plugin)
+
+    def run(self, name: str) -> Run:
+        """The run of a scene's name."""
+        if name not in self._runs:
+            try:
+                self._runs[name] = self._resolve(name) if self._main else self._read(name)
+            except FloeError as error:
+                _leave(error)
+        return self._runs[name]
+
+    def scene(self, name: str) -> Scene:
+        """The scene of a name."""
+        return self.run(name).scene
+
+    def owner(self, name: str, stage: str) -> str:
+        """Scene whose file of a stage of preprocessing this scene uses.
+
+        That of the base scene, where a variant changes no key that the stage or those before read.
+        """
+        base = name.partition(PLUS)[0]
+        same = base == name or chain_hash(self.scene(base), stage) != chain_hash(
+            self.scene(name), stage
+        )
+        return name if same else base
+
+    def file(self, name: str) -> str | list[str]:
+        """Path of a resolved scene; none in a dry run that has nothing written yet."""
+        self.run(name)
+        path = RESULTS / name / "scene.yaml"
+        return path.as_posix() if self._writes or path.is_file() else []
+
+    def closing_line(self) -> str:
+        """Say where the report of the default scene lies, or that there is none yet."""
+        report = RESULTS / self.default / "report.html"
+        return f"Report: {report.resolve()}" if report.is_file() else f"Results: {report.parent}/"
+
+    def _read(self, name: str) -> Run:
+        folder = RESULTS / name
+        scene = read_resolved(folder / "scene.yaml")
+        try:
+            chosen = json.loads((folder / "resolved.json").read_text())
+        except (OSError, ValueError):
+            raise FloeError(f"{folder}/resolved.json: cannot be read as JSON") from None
+        return _run(scene, str(chosen["chosen_by"]))
+
+    def _resolve(self, name: str) -> Run:
+        base, plus, variant = name.partition(PLUS)
+        if plus:
+            run = _run(self._variant(base, variant))
+        else:
+            path = self._path_of(name)
+            scene = resolve_scene(path)
+            check_mask_file(scene)
+            if scene.forcing.source == "file":
+                check_forcing_file(scene)
+            if self._writes:
+                # Held until the process ends.
+                claim_scene(RESULTS / name)
+                clear_stale_locks(RESULTS / name)
+            run = _run(scene, "auto" if scene.auto else "scene")
+        if self._writes:
+            write_resolved(run, RESULTS / name)
+        return run
+
+    def _path_of(self, name: str) -> Path:
+        if name == self.default:
+            return self._path
+        path = SHIPPED / f"{name}.yaml"
+        if not path.is_file():
+            raise FloeError(
+                f"scene '{name}' is not known: it is neither that of --config scene={self._path} "
+                f"nor {path}"
+            )
+        return path
+
+    def _variant(self, base: str, name: str) -> Scene:
+        study, _, variant = name.partition("-")
+        variants = study_variants(study, self.scene(base))
+        if variant not in variants:
+            raise FloeError(f"scene '{base}' has no variant '{variant}' in a study '{study}'")
+        keys = read_keys(self._path_of(base))
+        return variant_scene(keys, self.scene(base), study, variants[variant])
+
+
+def write_resolved(run: Run, folder: Path) -> None:
+    """Write ``scene.yaml`` with all keys, and ``resolved.json``, each only where it changed."""
+    keys = run.scene.model_dump(mode="json")
+    head = "# All keys of the scene, effects made concrete. Written by the workflow: do not edit.\n"
+    texts = {
+        "scene.yaml": head + yaml.safe_dump(keys, sort_keys=False, allow_unicode=True),
+        "resolved.json": json.dumps({"chosen_by": run.chosen_by}) + "\n",
+    }
+    for name, text in texts.items():
+        path = folder / name
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            write_text(text, path)
+
+
+def _run(scene: Scene, chosen_by: str = "scene") -> Run:
+    chunks = window_chunks(scene.time.windows, scene.workflow.windows_per_job)
+    return Run(scene, chunks, chosen_by)
+
+
+def _leave(error: FloeError) -> None:
+    print(f"floeflow: {error}", file=sys.stderr, flush=True)
+    sys.exit(1)

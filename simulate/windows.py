@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Rule ``windows``: a chunk of coupling windows, dynamics and column in one MPI launch."""
+
+import os
+from pathlib import Path
+
+from floeflow.coupling.chunk import Chunk, run_chunk
+from floeflow.coupling.launch import warn_of_step
+from floeflow.workflow.job import Snakemake, run_script, scene_folder, scene_of
+
+
+def main(snakemake: Snakemake) -> None:
+    """Run the rule."""
+    scene = scene_of(snakemake)
+    warn_of_step(scene)
+    # The ranks inherit it.
+    os.environ["FLOEFLOW_PLUGIN"] = str(Path(snakemake.input.plugin).resolve())
+    chunk = Chunk(
+        scene=scene,
+        folder=scene_folder(snakemake),
+        windows=tuple(snakemake.params.windows),
+        state=Path(snakemake.input.state),
+        plugin=Path(snakemake.input.plugin),
+        ranks=snakemake.threads,
+        cells=Path(str(snakemake.input.cells)) if snakemake.input.cells else None,
+        library=snakemake.params.library,
+    )
+    run_chunk(chunk)
+
+
+if __name__ == "__main__":
+    run_script(main, snakemake)

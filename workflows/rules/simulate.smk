@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Coupling windows: dynamics and column, one launch for each chunk of windows."""
+
+
+rule windows:
+    input:
+        scene=ancient(scene_file),
+        state=state_before,
+        forcing=user_forcing,
+        plugin=SCENES.plugin,
+        cells=made("cells", "preprocess/cells.nc", "remap"),
+    output:
+        state="results/{scene}/state/{chunk}.nc",
+        series="results/{scene}/series/{chunk}.nc",
+        elements="results/{scene}/elements/{chunk}.nc",
+        cost="results/{scene}/cost/{chunk}.json",
+    log:
+        "results/{scene}/log/windows/{chunk}.log",
+    benchmark:
+        "results/{scene}/benchmarks/windows/{chunk}.tsv"
+    wildcard_constraints:
+        chunk=r"[0-9]*[1-9][0-9]*",
+    threads: 2
+    resources:
+        mem_mb=4000,
+        runtime=240,
+    params:
+        scene_keys=keys_of("dynamics", "column", "cure", "forcing"),
+        library=library_digest("windows"),
+        windows=chunk_windows,
+    message:
+        "Windows {params.windows[0]} to {wildcards.chunk}: dynamics and column on {threads} ranks"
+    script:
+        "../../simulate/windows.py"
