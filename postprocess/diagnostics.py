@@ -18,7 +18,8 @@ def main(snakemake: Snakemake) -> None:
         cost=[Path(path) for path in given.cost],
         grid=Path(str(given.grid)) if given.grid else None,
     )
-    data, numbers = diagnose(files, scene_of(snakemake).effects)
+    scene = scene_of(snakemake)
+    data, numbers = diagnose(files, scene.effects, scene.domain)
     write_dataset(data, snakemake.output.dataset)
     write_json(numbers, Path(snakemake.output.headline))
 

@@ -7,9 +7,17 @@ from pathlib import Path
 from floeflow.core.atomic_write import write_text
 from floeflow.diagnostics.collect import read_grid
 from floeflow.diagnostics.study_summaries import read_digest
+from floeflow.forcings.inputs import described
 from floeflow.report.report import Material, build_report, read_numbers
+from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state
 from floeflow.workflow.job import Snakemake, run_script, scene_of
+
+
+def _inputs(scene: Scene, mask: str) -> list[str]:
+    """What was read of mask and forcing, one a line."""
+    notes = str(read_dataset(mask).attrs.get("notes", "")).splitlines()
+    return [*notes, *described(scene)]
 
 
 def main(snakemake: Snakemake) -> None:
@@ -28,6 +36,7 @@ def main(snakemake: Snakemake) -> None:
         packing=read_dataset(given.packing),
         benchmarks=[Path(path) for path in given.benchmarks],
         estimates=json.loads(Path(given.estimates).read_text(encoding="utf-8")),
+        inputs=_inputs(scene, given.mask),
         studies=[read_digest(Path(path)) for path in snakemake.params.studies],
     )
     page = build_report(scene, material, Path(snakemake.output.figures))

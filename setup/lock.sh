@@ -23,7 +23,7 @@ trap 'rm -f "$new"' EXIT
 "$uv" pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest ${UPGRADE:+--upgrade} \
     --generate-hashes --only-binary :all: --no-emit-index-url --no-emit-find-links --no-header \
     --output-file "$new" setup/requirements.in \
-    setup/requirements-workflow.in setup/requirements-dev.in
+    setup/requirements-workflow.in setup/requirements-formats.in setup/requirements-dev.in
 {
     echo "# Written by \`make lock\` from requirements.in and requirements-dev.in: do not edit."
     # The platform was the condition of the whole resolution (pyproject.toml, tool.uv): said of

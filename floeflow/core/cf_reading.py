@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is in a NetCDF file: variables by CF standard name, dimensions by their role, projection.
+"""What is in a file: variables by CF standard name, dimensions by their role, projection.
 
-Only attributes are read here, with netCDF4 alone: the front door calls this before any job.
+Only attributes and coordinates are read here: the front door calls this before any job.
 """
 
 from __future__ import annotations
@@ -12,27 +12,25 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import pyproj
+import xarray as xr
 from pyproj.exceptions import CRSError
 
+from floeflow.core import coordinate_kinds as kinds
+from floeflow.core import units
 from floeflow.core.errors import FloeError
-
-_LAT_UNITS = {"degrees_north", "degree_north", "degrees_n", "degree_n", "degreen", "degreesn"}
-_LON_UNITS = {"degrees_east", "degree_east", "degrees_e", "degree_e", "degreee", "degreese"}
-_LENGTHS = {"m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0, "": 1.0}
-_LENGTHS |= {"km": 1e3, "kilometre": 1e3, "kilometer": 1e3, "kilometres": 1e3, "kilometers": 1e3}
-_VERTICAL = {"depth", "height", "altitude", "air_pressure", "ocean_s_coordinate"}
+from floeflow.core.input_files import Hints, open_input
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable's name, dimensions, shape and attributes."""
+    """A variable's name, dimensions, shape, attributes, and kind of numbers (NumPy's letter)."""
 
     name: str
     dims: tuple[str, ...]
     shape: tuple[int, ...]
     attrs: dict[str, Any]
+    kind: str = ""
 
     def text(self, attribute: str) -> str:
         """An attribute as stripped text, empty where there is none."""
@@ -46,13 +44,19 @@ class Layout:
     Parameters
     ----------
     x, y : str
-        Names of the horizontal coordinate variables: longitude and latitude, or projected.
+        Names of the horizontal dimensions: longitude and latitude, projected, or a grid's own.
     lonlat : bool
         Whether they are longitude and latitude.
     time, level : str
         Names of the time and vertical dimension, empty where there is none.
     scale : float
-        Metres in the unit of a projected coordinate.
+        Metres in the unit of a projected coordinate; 0 where it has none.
+    places : tuple of str
+        Names of two-dimensional longitudes and latitudes, where ``x`` and ``y`` are a grid's own.
+    stamp : str
+        Name of the one time of a variable without that dimension; empty where it has none.
+    height : str
+        Name of the one level of a variable without that dimension; empty where it has none.
     """
 
     x: str
@@ -61,32 +65,35 @@ class Layout:
     time: str
     level: str
     scale: float = 1.0
+    places: tuple[str, str] | None = None
+    stamp: str = ""
+    height: str = ""
 
 
-def describe(path: str | Path) -> dict[str, Variable]:
-    """Variables of a NetCDF file.
+def describe(path: str | Path, hints: Hints | None = None) -> dict[str, Variable]:
+    """Variables of a file.
 
     Raises
     ------
     FloeError
-        Where the file is missing or cannot be read as NetCDF.
+        Where the file is missing or cannot be read.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise FloeError(f"{path}: there is no such file")
-    try:
-        with netCDF4.Dataset(path) as file:
-            return {
-                name: Variable(
-                    name,
-                    tuple(variable.dimensions),
-                    tuple(variable.shape),
-                    {key: variable.getncattr(key) for key in variable.ncattrs()},
-                )
-                for name, variable in file.variables.items()
-            }
-    except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
-        raise FloeError(f"{path}: cannot be read as NetCDF ({type(error).__name__})") from None
+    with open_input(path, hints) as data:
+        return variables_of(data)
+
+
+def variables_of(data: xr.Dataset) -> dict[str, Variable]:
+    """Variables of an open file."""
+    return {
+        str(name): Variable(
+            str(name),
+            tuple(map(str, item.dims)),
+            tuple(item.shape),
+            dict(item.attrs),
+            item.dtype.kind,
+        )
+        for name, item in data.variables.items()
+    }
 
 
 def named(variables: dict[str, Variable], name: str, path: str | Path, key: str) -> Variable:
@@ -130,25 +137,99 @@ def layout(variables: dict[str, Variable], variable: Variable, path: str | Path)
             raise FloeError(f"{path}: variable '{variable.name}' has two dimensions of {role}")
         if role:
             roles[role] = dim
-    for dim, size in zip(variable.dims, variable.shape, strict=True):
-        if size > 1 and dim not in roles.values():
-            _refuse_dims(variables, variable, path)
+    time, level = roles.get("time", ""), roles.get("level", "")
+    rest = [
+        dim
+        for dim, size in zip(variable.dims, variable.shape, strict=True)
+        if size > 1 and dim not in (time, level)
+    ]
+    single = {
+        "stamp": "" if time else _single(variables, variable, "time"),
+        "height": "" if level else _single(variables, variable, "level"),
+    }
     for y, x, lonlat in (("latitude", "longitude", True), ("projected y", "projected x", False)):
-        if x in roles and y in roles:
+        if x in roles and y in roles and set(rest) <= {roles[x], roles[y]}:
+            if not lonlat and not has_mapping(variables, variable):
+                break
             scale = 1.0 if lonlat else _length(variables[roles[x]], path)
-            time, level = roles.get("time", ""), roles.get("level", "")
-            return Layout(roles[x], roles[y], lonlat, time, level, scale)
+            return Layout(roles[x], roles[y], lonlat, time, level, scale, None, **single)
+    places = _places(variables, variable, rest)
+    if places is not None:
+        return Layout(rest[1], rest[0], False, time, level, 1.0, places, **single)
+    if "projected x" in roles and "projected y" in roles and set(rest) <= set(roles.values()):
+        projection(variables, variable, path)
     _refuse_dims(variables, variable, path)
     raise AssertionError  # not reached
+
+
+def has_mapping(variables: dict[str, Variable], variable: Variable) -> bool:
+    """Whether a variable names a grid mapping that is there."""
+    return variable.text("grid_mapping").split(":")[0] in variables
+
+
+def _places(
+    variables: dict[str, Variable], variable: Variable, rest: list[str]
+) -> tuple[str, str] | None:
+    """Names of the two-dimensional longitudes and latitudes of a variable, or None.
+
+    Those that it names in ``coordinates`` come first; else they must be the only ones.
+    """
+    if len(rest) != 2:
+        return None
+    named = variable.text("coordinates").replace(",", " ").split()
+    found: dict[str, list[str]] = {"longitude": [], "latitude": []}
+    for name, item in variables.items():
+        kind = kinds.kind_of(name, item.attrs) or _by_name(name)
+        if kind in found and set(item.dims) == set(rest):
+            found[kind].append(name)
+    chosen = []
+    for kind in ("longitude", "latitude"):
+        first = [name for name in named if name in found[kind]] or found[kind]
+        if len(first) != 1:
+            return None
+        chosen.append(first[0])
+    return chosen[0], chosen[1]
+
+
+def _by_name(name: str) -> str:
+    """Kind of a two-dimensional variable by names that history files use."""
+    lower = name.lower()
+    for kind, word in (("longitude", "lon"), ("latitude", "lat")):
+        if lower in (f"t{word}", f"u{word}", f"nav_{word}", f"g{word}t", f"plat{word}", f"x{word}"):
+            return kind
+    return ""
+
+
+def _single(variables: dict[str, Variable], variable: Variable, kind: str) -> str:
+    """Name of the one time or level of a variable that has no such dimension, or empty."""
+    named = variable.text("coordinates").replace(",", " ").split()
+    singles = [
+        name
+        for name, item in variables.items()
+        if all(size == 1 for size in item.shape) and kinds.kind_of(name, item.attrs) == kind
+    ]
+    listed = [name for name in named if name in singles]
+    if kind == "time":
+        # A forecast's start is no time that a field is valid at.
+        valid = [
+            name
+            for name in listed or singles
+            if variables[name].text("standard_name") != "forecast_reference_time"
+            and " since " in variables[name].text("units")
+        ]
+        return "valid_time" if "valid_time" in valid else (valid[0] if valid else "")
+    return listed[0] if listed else ""
 
 
 def _refuse_dims(variables: dict[str, Variable], variable: Variable, path: str | Path) -> None:
     dims = ", ".join(variable.dims)
     said = f"{path}: variable '{variable.name}' has dimensions ({dims})"
-    if "latitude" in {_kind(item) for item in variables.values() if len(item.dims) == 2}:
+    if "latitude" in {
+        kinds.kind_of(name, item.attrs) for name, item in variables.items() if len(item.dims) == 2
+    }:
         raise FloeError(
-            f"{said} on a curvilinear grid, whose latitudes are two-dimensional; put it on a grid "
-            "of longitude and latitude, or of projected x and y, first"
+            f"{said} on a curvilinear grid, but the file does not have two-dimensional longitudes "
+            "and latitudes on these dimensions, one of each: name them in its 'coordinates'"
         )
     raise FloeError(f"{said}, which are not longitude and latitude, or projected x and y")
 
@@ -158,34 +239,17 @@ def dimension_kind(variables: dict[str, Variable], dim: str) -> str:
     coordinate = variables.get(dim)
     if coordinate is None or coordinate.dims != (dim,):
         return ""
-    return _kind(coordinate)
-
-
-def _kind(item: Variable) -> str:
-    standard, units = item.text("standard_name"), item.text("units").lower()
-    name = item.name.lower()
-    if standard == "latitude" or units in _LAT_UNITS or name in ("lat", "latitude"):
-        return "latitude"
-    if standard == "longitude" or units in _LON_UNITS or name in ("lon", "longitude"):
-        return "longitude"
-    if standard == "projection_x_coordinate":
-        return "projected x"
-    if standard == "projection_y_coordinate":
-        return "projected y"
-    if standard == "time" or " since " in units:
-        return "time"
-    if standard in _VERTICAL or item.text("axis") == "Z" or "positive" in item.attrs:
-        return "level"
-    if units in _LENGTHS and units and name in ("x", "xc", "y", "yc"):
-        return f"projected {name[0]}"
-    return ""
+    return kinds.kind_of(dim, coordinate.attrs)
 
 
 def _length(coordinate: Variable, path: str | Path) -> float:
-    units = coordinate.text("units")
-    if units.lower() not in _LENGTHS:
-        raise FloeError(f"{path}: coordinate '{coordinate.name}' has units '{units}', not m or km")
-    return _LENGTHS[units.lower()]
+    given = coordinate.text("units")
+    if not given:
+        return 0.0  # those of the projection's axes
+    metres = units.is_length(given)
+    if metres is None:
+        raise FloeError(f"{path}: coordinate '{coordinate.name}' has units '{given}', not m or km")
+    return metres
 
 
 def projection(variables: dict[str, Variable], variable: Variable, path: str | Path) -> pyproj.CRS:
@@ -203,7 +267,7 @@ def projection(variables: dict[str, Variable], variable: Variable, path: str | P
     if name not in variables:
         raise FloeError(
             f"{path}: variable '{variable.name}' lies on projected coordinates but has no "
-            "grid_mapping"
+            "grid_mapping: name the projection in mask.crs or forcing.crs"
         )
     mapping = variables[name]
     try:

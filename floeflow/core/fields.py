@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Gridded fields of a user's file: their grid and their values, axes ascending.
 
-Longitude/latitude grids (any order of latitude, longitudes 0..360 or -180..180) and projected
-grids. No value of a fill is ever used: missing values are NaN from here on.
+Longitude/latitude grids (any order of latitude, longitudes 0..360 or -180..180), projected grids,
+and curvilinear ones with two-dimensional longitudes and latitudes. No value of a fill is ever used:
+missing values are NaN from here on.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyproj
@@ -16,8 +18,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core import cf_reading as cf
+from floeflow.core import levels
 from floeflow.core.errors import FloeError
-from floeflow.core.grids import EARTH_RADIUS, to_lonlat
+from floeflow.core.grids import EARTH_RADIUS, metres_per_unit, to_lonlat
+from floeflow.core.input_files import Hints, open_input
+from floeflow.core.unpack import Flags, Values, status_flags, unpack
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -77,26 +82,69 @@ def _mean_row(row: Array) -> Array:
     return np.broadcast_to(row.mean(axis=-1, keepdims=True), row.shape)
 
 
-def open_file(path: str | Path) -> xr.Dataset:
-    """Open a file lazily, numbers unpacked and fills as NaN, times as they stand.
+@dataclass(frozen=True)
+class Curvilinear:
+    """A horizontal grid with longitudes and latitudes of its own for every point.
+
+    Parameters
+    ----------
+    lon, lat : ndarray
+        Degrees, (ny, nx); NaN where the file has none, as in blocks of land left out.
+    """
+
+    lon: Array
+    lat: Array
+
+    def lonlat(self) -> tuple[Array, Array]:
+        """Longitude and latitude of all points (degrees), each (ny, nx)."""
+        return self.lon, self.lat
+
+
+AnySource = Source | Curvilinear
+
+
+def shape_of(source: AnySource) -> tuple[int, int]:
+    """Rows and columns of a source, unpadded."""
+    if isinstance(source, Curvilinear):
+        return source.lon.shape[0], source.lon.shape[1]
+    return source.y.size, source.x.size
+
+
+def open_file(path: str | Path, hints: Hints | None = None) -> xr.Dataset:
+    """Open a file lazily, values and times as stored, coordinates in order.
 
     Raises
     ------
     FloeError
         Where it cannot be read.
     """
-    try:
-        return xr.open_dataset(path, engine="netcdf4", decode_times=False, mask_and_scale=True)
-    except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
-        raise FloeError(f"{path}: cannot be read as NetCDF ({type(error).__name__})") from None
+    return open_input(path, hints)
+
+
+def surface_level(
+    data: xr.Dataset, name: str, layout: cf.Layout, ocean: bool, path: str | Path
+) -> levels.Level | None:
+    """The level of a variable that is read, None where it has no levels; see `levels.surface`."""
+    axis = layout.level or layout.height
+    if not axis:
+        return None
+    item = data[axis]
+    what = f"{path}: variable '{name}'"
+    return levels.surface(axis, item.attrs, np.asarray(item.values, dtype=float), ocean, what)
 
 
 def read_values(
-    data: xr.Dataset, name: str, layout: cf.Layout, source: Source, times: Index, path: str | Path
+    data: xr.Dataset,
+    name: str,
+    layout: cf.Layout,
+    source: AnySource,
+    times: Index,
+    path: str | Path,
+    ocean: bool = True,
 ) -> Array:
     """Values of a variable at some of its times, axes ascending, NaN where missing.
 
-    Of several levels the one nearest the surface is taken.
+    Of several levels the one nearest the surface is taken, see `levels.surface`.
 
     Returns
     -------
@@ -108,32 +156,64 @@ def read_values(
     FloeError
         Where the file turns out damaged, or the values are no numbers.
     """
+    return read_unpacked(data, name, layout, source, times, path, ocean).values
+
+
+def read_unpacked(
+    data: xr.Dataset,
+    name: str,
+    layout: cf.Layout,
+    source: AnySource,
+    times: Index,
+    path: str | Path,
+    ocean: bool = True,
+) -> Values:
+    """As `read_values`, with the flags that tell why values are missing."""
+    raw = _stored(data, name, layout, times, path, ocean)
+    found = unpack(raw, data[name].attrs)
+    flags = {kind: _ordered(hit, source).astype(bool) for kind, hit in found.flags.items()}
+    return Values(_ordered(found.values, source), flags, found.rounding)
+
+
+def read_flags(
+    data: xr.Dataset,
+    name: str,
+    layout: cf.Layout,
+    source: AnySource,
+    times: Index,
+    path: str | Path,
+) -> dict[str, Flags]:
+    """Where a status flag tells of land, (times, ny, nx); see `unpack.status_flags`."""
+    found = status_flags(_stored(data, name, layout, times, path, True), data[name].attrs)
+    return {kind: _ordered(hit, source).astype(bool) for kind, hit in found.items()}
+
+
+def _stored(
+    data: xr.Dataset, name: str, layout: cf.Layout, times: Index, path: str | Path, ocean: bool
+) -> NDArray[Any]:
+    """Numbers as stored, (times, ny, nx), in the file's own order."""
     field = data[name]
-    if layout.level:
-        level = np.asarray(data[layout.level].values, dtype=float)
-        field = field.isel({layout.level: int(np.argmin(np.abs(level)))})
-    if layout.time:
-        field = field.isel({layout.time: times})
-    else:
-        field = field.expand_dims("one time")
+    level = surface_level(data, name, layout, ocean, path)
+    if layout.level and level is not None:
+        field = field.isel({layout.level: level.index})
+    field = field.isel({layout.time: times}) if layout.time else field.expand_dims("one time")
     keep = (layout.time or "one time", layout.y, layout.x)
     field = field.isel({dim: 0 for dim in field.dims if dim not in keep})
     try:
-        values = np.asarray(field.transpose(*keep).values, dtype=float)
-    except (TypeError, ValueError):
-        raise FloeError(f"{path}: variable '{name}' holds no numbers") from None
-    except Exception as error:  # as above
+        raw = np.asarray(field.transpose(*keep).values)
+    except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
         raise FloeError(
             f"{path}: variable '{name}' cannot be read ({type(error).__name__})"
         ) from None
-    values = values[:, source.order_y][:, :, source.order_x]
-    for key, beyond in (("valid_min", np.less), ("valid_max", np.greater)):
-        bound = field.attrs.get(key)
-        # Bounds are in packed numbers; only those of unpacked variables are plain.
-        if bound is not None and "scale_factor" not in data[name].encoding:
-            values[beyond(values, float(bound))] = np.nan
-    values[~np.isfinite(values)] = np.nan
-    return values
+    if raw.dtype.kind not in "iufb":
+        raise FloeError(f"{path}: variable '{name}' holds no numbers")
+    return raw
+
+
+def _ordered(values: Array | Flags, source: AnySource) -> NDArray[Any]:
+    if isinstance(source, Curvilinear):
+        return values
+    return np.asarray(values[:, source.order_y][:, :, source.order_x])
 
 
 def source_grid(
@@ -142,7 +222,7 @@ def source_grid(
     layout: cf.Layout,
     data: xr.Dataset,
     path: str | Path,
-) -> Source:
+) -> AnySource:
     """Horizontal grid of a variable.
 
     Raises
@@ -151,8 +231,12 @@ def source_grid(
         Where coordinates are missing, repeated or not finite, or where the grid mapping does not
         fit the latitudes and longitudes that the file gives beside it.
     """
-    x = np.asarray(data[layout.x].values, dtype=float) * layout.scale
-    y = np.asarray(data[layout.y].values, dtype=float) * layout.scale
+    if layout.places:
+        return _curvilinear(layout, data, path)
+    crs = None if layout.lonlat else cf.projection(variables, variable, path)
+    scale = layout.scale or (metres_per_unit(crs) if crs else 1.0)
+    x = unpack(np.asarray(data[layout.x].values), data[layout.x].attrs).values * scale
+    y = unpack(np.asarray(data[layout.y].values), data[layout.y].attrs).values * scale
     if layout.lonlat:
         x = np.mod(x, 360.0)
         if np.any(np.abs(y) > 90.0 + 1e-6):
@@ -160,8 +244,7 @@ def source_grid(
         y = np.clip(y, -90.0, 90.0)
     x_axis, order_x = _ascending(x, layout.x, path, drop_repeated=layout.lonlat)
     y_axis, order_y = _ascending(y, layout.y, path, drop_repeated=False)
-    if not layout.lonlat:
-        crs = cf.projection(variables, variable, path)
+    if crs is not None:
         source = Source(x_axis, y_axis, crs, order_x, order_y, False, (False, False))
         _check_mapping(source, layout, data, path)
         return source
@@ -175,6 +258,28 @@ def source_grid(
     south = periodic and -90.0 < y_axis[0] <= -90.0 + reach
     north = periodic and 90.0 - reach <= y_axis[-1] < 90.0
     return Source(x_axis, y_axis, None, order_x, order_y, periodic, (bool(south), bool(north)))
+
+
+def _curvilinear(layout: cf.Layout, data: xr.Dataset, path: str | Path) -> Curvilinear:
+    assert layout.places is not None
+    degrees = []
+    for name in layout.places:
+        item = data[name].transpose(layout.y, layout.x)
+        values = unpack(np.asarray(item.values), item.attrs).values
+        if str(item.attrs.get("units", "")).lower().startswith("rad"):
+            values = np.degrees(values)
+        degrees.append(values)
+    lon, lat = degrees
+    if np.nanmax(np.abs(lat), initial=0.0) > 90.0 + 1e-6:
+        raise FloeError(f"{path}: latitudes '{layout.places[1]}' reach beyond 90 degrees")
+    none = ~np.isfinite(lon) | ~np.isfinite(lat)
+    # Blocks that were never written stand at 0, 0 by the hundred.
+    origin = (lon == 0.0) & (lat == 0.0)
+    none |= origin if origin.sum() > 1 else False
+    if none.all():
+        raise FloeError(f"{path}: coordinate '{layout.places[1]}' has no value")
+    lon, lat = np.where(none, np.nan, lon), np.where(none, np.nan, lat)
+    return Curvilinear(lon, np.clip(lat, -90.0, 90.0))
 
 
 def _ascending(
@@ -199,7 +304,8 @@ def _check_mapping(source: Source, layout: cf.Layout, data: xr.Dataset, path: st
             "longitude",
         ):
             continue
-        given = field.transpose(layout.y, layout.x).values[np.ix_(source.order_y, source.order_x)]
+        own = unpack(np.asarray(field.transpose(layout.y, layout.x).values), field.attrs).values
+        given = own[np.ix_(source.order_y, source.order_x)]
         lon, lat = source.lonlat()
         computed = lat if field.attrs["standard_name"] == "latitude" else lon
         off = np.mod(given - computed + 180.0, 360.0) - 180.0

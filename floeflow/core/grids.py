@@ -144,6 +144,12 @@ def geodetic(crs: pyproj.CRS) -> pyproj.CRS:
     return base
 
 
+def metres_per_unit(crs: pyproj.CRS) -> float:
+    """Metres in a unit of a projection's axes: 1000 with ``+units=km``."""
+    axes = crs.axis_info
+    return float(axes[0].unit_conversion_factor) if axes else 1.0
+
+
 def to_lonlat(crs: pyproj.CRS, x: Array, y: Array) -> tuple[Array, Array]:
     """Longitude and latitude (degrees) of projected points (m), on the projection's ellipsoid.
 
@@ -153,7 +159,8 @@ def to_lonlat(crs: pyproj.CRS, x: Array, y: Array) -> tuple[Array, Array]:
         Where a point has none, because the scene reaches beyond its projection.
     """
     transformer = pyproj.Transformer.from_crs(crs, geodetic(crs), always_xy=True)
-    lon, lat = transformer.transform(x, y)
+    unit = metres_per_unit(crs)
+    lon, lat = transformer.transform(np.asarray(x) / unit, np.asarray(y) / unit)
     lon, lat = np.asarray(lon, dtype=float), np.asarray(lat, dtype=float)
     bad = ~(np.isfinite(lon) & np.isfinite(lat))
     if bad.any():
@@ -171,7 +178,8 @@ def from_lonlat(crs: pyproj.CRS, lon: Array, lat: Array) -> tuple[Array, Array]:
     transformer = pyproj.Transformer.from_crs(geodetic(crs), crs, always_xy=True)
     # PROJ refuses longitudes of several turns.
     x, y = transformer.transform(np.mod(lon, 360.0), lat)
-    return np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    unit = metres_per_unit(crs)
+    return unit * np.asarray(x, dtype=float), unit * np.asarray(y, dtype=float)
 
 
 def cell_area(grid: Grid, crs: pyproj.CRS) -> Array:

@@ -7,16 +7,33 @@ Missing values (NaN) are either filled from the nearest known one first, or come
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
+import pyproj
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import Delaunay, QhullError, cKDTree
 
-from floeflow.core.fields import Source
+from floeflow.core.fields import AnySource, Curvilinear, Source
 from floeflow.core.grids import EARTH_RADIUS, from_lonlat
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+# A triangle between points of a curvilinear grid may be so many of their distances wide: wider
+# ones lie over blocks of the grid that the file leaves out.
+WIDEST = 3.0
+
+
+class Transfer(Protocol):
+    """Something that brings fields of a source to places: bilinear weights, or area means."""
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Whether the source covers the place, (points,)."""
+
+    def of(self, values: Array) -> Array:
+        """Values at the places: (..., ny, nx) of the source, unpadded, to (..., points)."""
 
 
 @dataclass(frozen=True)
@@ -26,16 +43,28 @@ class Weights:
     Parameters
     ----------
     index : ndarray
-        Flat indices of the four corners, (4, points).
+        Flat indices of the corners, (4, points), or (3, points) on a curvilinear grid.
     weight : ndarray
-        Their weights, which add up to 1, (4, points).
+        Their weights, which add up to 1, same shape.
     inside : ndarray
         Whether the point lies on the source grid, half a cell beyond its last points included.
+    source : Source or Curvilinear
+        The grid.
+    distance : ndarray or None
+        How far a point that is not inside lies from the point it takes (m), (points,); None on
+        regular grids.
     """
 
     index: Index
     weight: Array
     inside: NDArray[np.bool_]
+    source: AnySource
+    distance: Array | None = None
+
+    def of(self, values: Array) -> Array:
+        """Values at the points: (..., ny, nx), unpadded, to (..., points)."""
+        source = self.source
+        return self.apply(source.padded(values) if isinstance(source, Source) else values)
 
     def apply(self, padded: Array) -> Array:
         """Values at the points: (..., ny, nx) to (..., points)."""
@@ -74,7 +103,83 @@ def weights(source: Source, lon: Array, lat: Array) -> Weights:
     weight = np.stack(
         [(1 - east) * (1 - north), east * (1 - north), (1 - east) * north, east * north]
     )
-    return Weights(index, weight, inside_x & inside_y)
+    return Weights(index, weight, inside_x & inside_y, source)
+
+
+def triangle_weights(source: Curvilinear, plane: pyproj.CRS, lon: Array, lat: Array) -> Weights:
+    """Linear weights on triangles between the points of a curvilinear grid.
+
+    The triangles (Delaunay) are drawn on the map of the places, so that neither seams nor folds of
+    the grid, nor the pole, matter. A place beyond them takes the nearest point.
+
+    Parameters
+    ----------
+    source : Curvilinear
+        The grid.
+    plane : pyproj.CRS
+        Projection on which they are drawn.
+    lon, lat : ndarray
+        Places (degrees), any one shape.
+    """
+    place = np.stack(from_lonlat(plane, np.ravel(lon), np.ravel(lat)), axis=1)
+    x, y = from_lonlat(plane, source.lon, source.lat)
+    spacing = local_spacing(x, y)
+    low, high = place.min(axis=0), place.max(axis=0)
+    margin = WIDEST * float(np.nanmedian(spacing)) + 0.1 * float((high - low).max())
+    # Seams repeat their points: of those at one place the first counts.
+    near = np.isfinite(x) & np.isfinite(y) & np.isfinite(spacing)
+    near &= (x >= low[0] - margin) & (x <= high[0] + margin)
+    near &= (y >= low[1] - margin) & (y <= high[1] + margin)
+    kept = np.flatnonzero(near)
+    points = np.stack([x.ravel()[kept], y.ravel()[kept]], axis=1)
+    _, first = np.unique(np.round(points, 1), axis=0, return_index=True)
+    kept, points = kept[np.sort(first)], points[np.sort(first)]
+    count = len(place)
+    nothing = Weights(
+        np.zeros((3, count), np.int64), np.zeros((3, count)), np.zeros(count, bool), source,
+        np.full(count, np.inf),
+    )  # fmt: skip
+    if len(points) == 0:
+        return nothing
+    distance, nearest = cKDTree(points).query(place)
+    index = np.repeat(kept[nearest][None], 3, axis=0)
+    weight = np.zeros((3, count))
+    weight[0] = 1.0
+    inside = np.zeros(count, bool)
+    try:
+        mesh = Delaunay(points)
+    except (QhullError, ValueError):  # all points on a line
+        return Weights(index, weight, inside, source, distance)
+    found = mesh.find_simplex(place)
+    inside = found >= 0
+    corner = mesh.simplices[found]
+    sides = [points[corner[:, a]] - points[corner[:, b]] for a, b in ((0, 1), (1, 2), (2, 0))]
+    longest = np.max([np.hypot(*side.T) for side in sides], axis=0)
+    allowed = WIDEST * spacing.ravel()[kept[corner]].max(axis=1)
+    inside &= longest <= allowed
+    matrix = mesh.transform[found]
+    two = np.einsum("kij,kj->ki", matrix[:, :2], place - matrix[:, 2])
+    three = np.clip(np.concatenate([two, 1.0 - two.sum(axis=1, keepdims=True)], axis=1), 0.0, 1.0)
+    three /= three.sum(axis=1, keepdims=True)
+    inside &= np.isfinite(three).all(axis=1)
+    index[:, inside], weight[:, inside] = kept[corner[inside]].T, three[inside].T
+    return Weights(index, weight, inside, source, np.where(inside, 0.0, distance))
+
+
+def local_spacing(x: Array, y: Array) -> Array:
+    """Longer of the distances to the next points along both axes of a grid (m), (ny, nx)."""
+    far = np.full(x.shape, np.nan)
+    with np.errstate(invalid="ignore"):
+        along = np.hypot(np.diff(x, axis=1), np.diff(y, axis=1))
+        across = np.hypot(np.diff(x, axis=0), np.diff(y, axis=0))
+    for part, rows, columns in (
+        (along, slice(None), slice(1, None)),
+        (along, slice(None), slice(None, -1)),
+        (across, slice(1, None), slice(None)),
+        (across, slice(None, -1), slice(None)),
+    ):
+        far[rows, columns] = np.fmax(far[rows, columns], part)
+    return far
 
 
 def _bracket(axis: Array, places: Array) -> tuple[Index, Array, NDArray[np.bool_]]:
@@ -86,7 +191,7 @@ def _bracket(axis: Array, places: Array) -> tuple[Index, Array, NDArray[np.bool_
     return low.astype(np.int64), np.where(inside, np.clip(share, 0.0, 1.0), 0.0), inside
 
 
-def fill_nearest(values: Array, source: Source, reach: float) -> Array:
+def fill_nearest(values: Array, source: AnySource, reach: float) -> Array:
     """Fill missing values from the nearest known point.
 
     Parameters
@@ -112,11 +217,14 @@ def fill_nearest(values: Array, source: Source, reach: float) -> Array:
         [np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], axis=-1
     )
     filled[..., missing] = 0.0
-    if missing.all():
+    # Points without a place are used by no weight.
+    placed = np.isfinite(points).all(axis=-1)
+    known, wanted = placed & ~missing, placed & missing
+    if not known.any() or not wanted.any():
         return filled
-    distance, nearest = cKDTree(points[~missing]).query(points[missing])
-    taken = values[..., ~missing][..., nearest]
-    filled[..., missing] = np.where(distance <= reach, taken, 0.0)
+    distance, nearest = cKDTree(points[known]).query(points[wanted])
+    taken = values[..., known][..., nearest]
+    filled[..., wanted] = np.where(distance <= reach, taken, 0.0)
     return filled
 
 

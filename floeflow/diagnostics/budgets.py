@@ -167,11 +167,14 @@ def momentum_budget(scalars: xr.Dataset, axis: str) -> Budget:
     )
 
 
-def ice_volume_budgets(scalars: xr.Dataset, volume: Array) -> list[Budget]:
+def ice_volume_budgets(
+    scalars: xr.Dataset, volume: Array, exports: Mapping[str, Array]
+) -> list[Budget]:
     """Ice volume of the run, and what the dynamics did to it (nothing, to round-off).
 
     The scalars are as in `momentum_budget`; ``volume`` is that of the states at the window
-    boundaries (m3), (window + 1,).
+    boundaries inside the scene's rectangle (m3), (window + 1,), ``exports`` what came in from
+    beyond its sides in each window, see `exports_of`.
     """
     start = scalars["ice_volume_start"].values.astype(float)
     moved = scalars["ice_volume_dynamics"].values.astype(float) - start
@@ -182,8 +185,8 @@ def ice_volume_budgets(scalars: xr.Dataset, volume: Array) -> list[Budget]:
         "Ice volume",
         "m3",
         np.diff(volume),
-        {**growth, "dynamics": moved},
-        np.maximum(volume[1:], _absolute_sum(growth, moved)),
+        {**growth, "dynamics": moved, **exports},
+        np.maximum(volume[1:], _absolute_sum({**growth, **exports}, moved)),
         windows,
         LIMITS["ice_volume"],
     )
@@ -200,10 +203,39 @@ def ice_volume_budgets(scalars: xr.Dataset, volume: Array) -> list[Budget]:
     return [run, dynamics]
 
 
-def snow_volume_budget(scalars: xr.Dataset, volume: Array) -> Budget:
+def exports_of(boundaries: xr.Dataset, name: str) -> dict[str, Array]:
+    """What each window brought in through the sides of the rectangle, less what left, (window,).
+
+    The growth of ice that is outside counts here too: it is the change of what lies beyond. Only
+    sides beyond which anything ever was.
+
+    Parameters
+    ----------
+    boundaries : xarray.Dataset
+        From `floeflow.diagnostics.collect.summarise_states`.
+    name : str
+        ``ice_area``, ``ice_volume`` or ``snow_volume``.
+    """
+    prefix = f"{name}_beyond_"
+    return {
+        f"through {str(key).removeprefix(prefix)} side": -np.diff(item.values)
+        for key, item in boundaries.data_vars.items()
+        if str(key).startswith(prefix) and item.values.any()
+    }
+
+
+def total_of(boundaries: xr.Dataset, name: str) -> xr.DataArray:
+    """Inside of the rectangle and beyond its sides together, on ``boundary``."""
+    prefix = f"{name}_beyond_"
+    beyond = [item for key, item in boundaries.data_vars.items() if str(key).startswith(prefix)]
+    return sum(beyond, boundaries[name])
+
+
+def snow_volume_budget(scalars: xr.Dataset, volume: Array, exports: Mapping[str, Array]) -> Budget:
     """Snow volume of the run; see `ice_volume_budgets`."""
     terms = _matching(scalars, "snow_")
     named = {name: term for name, term in terms.items() if not name.startswith("volume_")}
+    named |= exports
     return Budget(
         "snow_volume",
         "Snow volume",

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.core.errors import FloeError
+from floeflow.scene.blocks import Domain
 from floeflow.scene.effects import diagnostic_series
 from floeflow.state import read_dataset
 from floeflow.state.files import CHECKSUM
@@ -44,6 +45,10 @@ GRID_OUTSIDE = {
     "ice_volume": "sivolume_outside",
     "snow_volume": "sisnvolume_outside",
 }
+
+
+# Sides of the scene's rectangle.
+SIDES = ("left", "right", "bottom", "top")
 
 
 def read_series(paths: Sequence[Path], effects: tuple[str, ...]) -> tuple[xr.Dataset, xr.Dataset]:
@@ -151,7 +156,10 @@ def mean(values: np.ndarray, weights: np.ndarray) -> float:
 
 
 def summarise_states(
-    first: xr.Dataset, snapshots: Iterable[xr.Dataset], effects: tuple[str, ...]
+    first: xr.Dataset,
+    snapshots: Iterable[xr.Dataset],
+    effects: tuple[str, ...],
+    domain: Domain,
 ) -> tuple[xr.Dataset, list[dict[str, Any]]]:
     """Totals of the elements at all boundaries, 0 to the last window.
 
@@ -167,17 +175,17 @@ def summarise_states(
     Returns
     -------
     tuple of xarray.Dataset and list of dict
-        On ``boundary``: ``boundary_time`` (s), ``ice_area`` (m2), ``ice_volume`` (m3),
-        ``mean_displacement`` and ``largest_displacement`` since the start (m), ``elements``,
-        ``coast_elements``, ``ocean_area`` and ``unclaimed_water`` (m2), with snow
-        ``snow_volume`` (m3); and each state's window and checksum.
+        On ``boundary``: ``boundary_time`` (s), ``ice_area`` (m2), ``ice_volume`` (m3) and with snow
+        ``snow_volume`` (m3), all inside the scene's rectangle; the same beyond each of its sides as
+        ``ice_area_beyond_left``, ...; ``mean_displacement`` and ``largest_displacement`` since the
+        start (m), ``elements``, ``coast_elements``, ``ocean_area`` and ``unclaimed_water`` (m2);
+        and each state's window and checksum.
     """
     rows: list[dict[str, float]] = []
     sums = []
     for state in itertools.chain([first], snapshots):
         row = _totals(first, state)
-        if "snow" in effects:
-            row["snow_volume"] = _volume(state, "snow_volume")
+        row |= stocks(state, "snow" in effects, domain)
         rows.append(row)
         sums.append({"window": int(state.attrs["window"]), "checksum": str(state.attrs[CHECKSUM])})
     columns = {name: ("boundary", np.array([row[name] for row in rows])) for name in rows[0]}
@@ -209,8 +217,30 @@ def bond_counts(
     }
 
 
-def _volume(state: xr.Dataset, name: str) -> float:
-    return float((state["area"].values * state[name].values.sum(axis=1)).sum())
+def side_beyond(x: np.ndarray, y: np.ndarray, domain: Domain) -> np.ndarray:
+    """The side of the scene's rectangle beyond which a place lies: an index of `SIDES`, or -1.
+
+    Beyond two sides the one counts that it is further from.
+    """
+    off = np.stack([domain.x_min - x, x - domain.x_max, domain.y_min - y, y - domain.y_max])
+    return np.where(off.max(axis=0) > 0, off.argmax(axis=0), -1)
+
+
+def stocks(state: xr.Dataset, snow: bool, domain: Domain) -> dict[str, float]:
+    """Ice area, ice and snow volume inside the rectangle, and beyond each of its sides.
+
+    An element is where its centre is.
+    """
+    names = {"ice_area": "ice_fraction", "ice_volume": "ice_volume"}
+    names |= {"snow_volume": "snow_volume"} if snow else {}
+    side = side_beyond(state["x"].values, state["y"].values, domain)
+    found = {}
+    for name, variable in names.items():
+        each = state["area"].values * state[variable].values.sum(axis=1)
+        found[name] = float(each[side < 0].sum())
+        for number, word in enumerate(SIDES):
+            found[f"{name}_beyond_{word}"] = float(each[side == number].sum())
+    return found
 
 
 def _totals(first: xr.Dataset, state: xr.Dataset) -> dict[str, float]:
@@ -220,8 +250,6 @@ def _totals(first: xr.Dataset, state: xr.Dataset) -> dict[str, float]:
         "boundary_time": float(state.attrs["time"]),
         "elements": int((state["type"].values == MOBILE).sum()),
         "coast_elements": int((state["type"].values == COAST).sum()),
-        "ice_area": _volume(state, "ice_fraction"),
-        "ice_volume": _volume(state, "ice_volume"),
         "ocean_area": float(state.attrs["ocean_area"]),
         "unclaimed_water": float(state.attrs["unclaimed_water"]),
         "mean_displacement": mean(distance, moved["area"].values),

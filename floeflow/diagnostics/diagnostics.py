@@ -20,18 +20,22 @@ from floeflow.diagnostics.budgets import (
     Budget,
     column_budgets,
     dem_energy_budget,
+    exports_of,
     grid_budget,
     ice_volume_budgets,
     momentum_budget,
     snow_volume_budget,
+    total_of,
 )
 from floeflow.diagnostics.collect import (
+    SIDES,
     bond_counts,
     read_cost,
     read_series,
     summarise_grid,
     summarise_states,
 )
+from floeflow.scene.blocks import Domain
 from floeflow.state import read_state
 from floeflow.state.snapshots import read_snapshots
 
@@ -43,9 +47,18 @@ UNITS = {
     "drift_speed": ("m s-1", "area-weighted mean speed of the mobile elements"),
     "largest_speed": ("m s-1", "largest speed of a mobile element"),
     "intact_bonds": ("1", "bonds that hold"),
-    "ice_area": ("m2", "ice area of the elements"),
-    "ice_volume": ("m3", "ice volume of the elements"),
-    "snow_volume": ("m3", "snow volume of the elements"),
+    "ice_area": ("m2", "ice area inside the scene's rectangle"),
+    "ice_volume": ("m3", "ice volume inside the scene's rectangle"),
+    "snow_volume": ("m3", "snow volume inside the scene's rectangle"),
+    **{
+        f"{name}_beyond_{side}": (unit, f"{text} beyond the {side} side of the rectangle")
+        for side in SIDES
+        for name, unit, text in (
+            ("ice_area", "m2", "ice area"),
+            ("ice_volume", "m3", "ice volume"),
+            ("snow_volume", "m3", "snow volume"),
+        )
+    },
     "ocean_area": ("m2", "area of the scene that is not land"),
     "unclaimed_water": ("m2", "ocean area that no element stands for"),
     "mean_displacement": ("m", "area-weighted mean net displacement since the start"),
@@ -96,9 +109,11 @@ def close_budgets(
         The scene's effects.
     """
     found = [momentum_budget(scalars, axis) for axis in "xy"]
-    found += ice_volume_budgets(scalars, boundaries["ice_volume"].values)
+    volume, exports = boundaries["ice_volume"].values, exports_of(boundaries, "ice_volume")
+    found += ice_volume_budgets(scalars, volume, exports)
     if "snow" in effects:
-        found.append(snow_volume_budget(scalars, boundaries["snow_volume"].values))
+        volume, exports = boundaries["snow_volume"].values, exports_of(boundaries, "snow_volume")
+        found.append(snow_volume_budget(scalars, volume, exports))
     if "thermodynamics" in effects:
         found += column_budgets(scalars)
     kinetic, elastic = (
@@ -112,7 +127,7 @@ def close_budgets(
         if f"grid_{name}" in grids and name in boundaries:
             known = np.isin(grids["grid_window"].values, boundaries["boundary"].values)
             kept = grids.isel(grid=np.flatnonzero(known))
-            elements = boundaries[name].sel(boundary=kept["grid_window"].values).values
+            elements = total_of(boundaries, name).sel(boundary=kept["grid_window"].values).values
             outside = kept.get(f"outside_{name}", xr.zeros_like(kept[f"grid_{name}"])).values
             found.append(grid_budget(name, label, unit, kept[f"grid_{name}"], elements, outside))
     return found
@@ -168,6 +183,8 @@ def headline(
         if name in boundaries:
             numbers[f"{name}_start"] = float(first[name])
             numbers[f"{name}_end"] = float(last[name])
+            for side, term in exports_of(boundaries, name).items():
+                numbers[f"{name} {side}".replace(" ", "_")] = float(term.sum())
     if "bonds" in boundaries:
         numbers["bonds_start"] = int(first["bonds"])
         numbers["bonds_end"] = int(last["bonds"])
@@ -236,7 +253,9 @@ class RunFiles:
     grid: Path | None = None
 
 
-def diagnose(files: RunFiles, effects: tuple[str, ...]) -> tuple[xr.Dataset, dict[str, Any]]:
+def diagnose(
+    files: RunFiles, effects: tuple[str, ...], domain: Domain
+) -> tuple[xr.Dataset, dict[str, Any]]:
     """Diagnose a run.
 
     Parameters
@@ -245,6 +264,8 @@ def diagnose(files: RunFiles, effects: tuple[str, ...]) -> tuple[xr.Dataset, dic
         What its chunks left.
     effects : tuple of str
         The scene's effects.
+    domain : Domain
+        The scene's rectangle.
 
     Returns
     -------
@@ -258,7 +279,8 @@ def diagnose(files: RunFiles, effects: tuple[str, ...]) -> tuple[xr.Dataset, dic
     """
     samples, scalars = read_series(files.series, effects)
     first = read_state(files.first)
-    boundaries, states = summarise_states(first, read_snapshots(files.elements), effects)
+    snapshots = read_snapshots(files.elements)
+    boundaries, states = summarise_states(first, snapshots, effects, domain)
     if "bonds" in effects:
         boundaries = boundaries.assign(bond_counts(first, samples, scalars))
     costs = read_cost(files.cost)

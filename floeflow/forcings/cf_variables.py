@@ -6,70 +6,55 @@ Tables of names and units, and the search through a file's variables with them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 from floeflow.core import cf_reading as cf
+from floeflow.core import units
 from floeflow.core.errors import FloeError
 
-_KELVIN = {
-    "k": (1.0, 0.0),
-    "kelvin": (1.0, 0.0),
-    "degc": (1.0, 273.15),
-    "c": (1.0, 273.15),
-    "celsius": (1.0, 273.15),
-    "degree_c": (1.0, 273.15),
-    "degrees_c": (1.0, 273.15),
-    "degree_celsius": (1.0, 273.15),
-    "degrees_celsius": (1.0, 273.15),
-}
-_SPEED = {name: (1.0, 0.0) for name in ("m s-1", "m/s", "m s**-1", "meter second-1", "ms-1")}
-_SPEED |= {"cm s-1": (0.01, 0.0), "cm/s": (0.01, 0.0)}
-_SPEED |= {name: (1852.0 / 3600.0, 0.0) for name in ("knot", "knots", "kt")}
-_FLUX = {name: (1.0, 0.0) for name in ("w m-2", "w/m2", "w/m^2", "w m**-2", "wm-2")}
-_SHARE = {name: (1.0, 0.0) for name in ("1", "kg kg-1", "kg/kg", "kg kg**-1")}
-_SHARE |= {"g kg-1": (1e-3, 0.0), "g/kg": (1e-3, 0.0)}
-_RATE = {name: (1.0, 0.0) for name in ("kg m-2 s-1", "kg/m2/s", "kg m**-2 s**-1", "mm s-1")}
-_RATE |= {name: (1.0 / 86400.0, 0.0) for name in ("mm day-1", "mm/day", "kg m-2 day-1")}
-# Sums over time, and what a second's share of them is in SI.
-_ENERGY_SUM = {name: 1.0 for name in ("j m-2", "j m**-2", "j/m2", "j/m^2")}
-_WATER_SUM = {name: 1000.0 for name in ("m", "m of water equivalent")}
-_WATER_SUM |= {name: 1.0 for name in ("kg m-2", "kg m**-2", "kg/m2", "mm")}
-_PRESSURE = {"pa": (1.0, 0.0), "hpa": (100.0, 0.0), "mbar": (100.0, 0.0), "millibar": (100.0, 0.0)}
+# Water as a depth, and what a second's share of a depth is in SI (density of fresh water, kg/m3).
+_WATER = 1000.0
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A forcing variable: its names in files, units (factor, offset to SI) and sane range.
+    """A forcing variable: its names in files, its units and its sane range.
 
-    ``sums`` are units of its sum over time, with the factor that brings a second's share to SI.
+    ``also`` are other kinds of units that it comes in, ``sums`` those of its sum over time, each
+    with the factor that brings it, or a second's share of it, to SI.
     """
 
     standard: tuple[str, ...]
     common: tuple[str, ...]
-    units: dict[str, tuple[float, float]]
     si: str
     low: float
     high: float
     ocean: bool = False
-    sums: dict[str, float] = field(default_factory=dict)
+    also: tuple[tuple[str, float], ...] = ()
+    sums: tuple[tuple[str, float], ...] = ()
 
 
 QUANTITIES: dict[str, Quantity] = {
     "air_temperature": Quantity(
-        ("air_temperature",), ("t2m", "tas", "T2m", "2t", "air"), _KELVIN, "K", 150.0, 350.0
+        ("air_temperature",),
+        ("t2m", "tas", "T2m", "2t", "air", "tas_10m", "TMP_2maboveground", "T_10"),
+        "K",
+        150.0,
+        350.0,
     ),
     "specific_humidity": Quantity(
-        ("specific_humidity",), ("huss", "q2m", "shum", "q"), _SHARE, "kg kg-1", 0.0, 0.1
+        ("specific_humidity",),
+        ("huss", "q2m", "shum", "q", "huss_10m", "Q_10"),
+        "kg kg-1",
+        0.0,
+        0.1,
     ),
-    "dew_point": Quantity(
-        ("dew_point_temperature",), ("d2m", "tdps", "2d"), _KELVIN, "K", 100.0, 350.0
-    ),
+    "dew_point": Quantity(("dew_point_temperature",), ("d2m", "tdps", "2d"), "K", 100.0, 350.0),
     "air_pressure": Quantity(
         ("air_pressure_at_mean_sea_level", "air_pressure_at_sea_level", "surface_air_pressure"),
         ("msl", "psl", "sp", "ps", "slp"),
-        _PRESSURE,
         "Pa",
         5.0e4,
         1.2e5,
@@ -77,43 +62,40 @@ QUANTITIES: dict[str, Quantity] = {
     "shortwave_down": Quantity(
         ("surface_downwelling_shortwave_flux_in_air",),
         ("rsds", "msdwswrf", "avg_sdswrf", "dswrf", "ssrd"),
-        _FLUX,
         "W m-2",
         0.0,
         1500.0,
-        sums=_ENERGY_SUM,
+        sums=(("J m-2", 1.0),),
     ),
     "longwave_down": Quantity(
         ("surface_downwelling_longwave_flux_in_air",),
         ("rlds", "msdwlwrf", "avg_sdlwrf", "dlwrf", "strd"),
-        _FLUX,
         "W m-2",
         0.0,
         1000.0,
-        sums=_ENERGY_SUM,
+        sums=(("J m-2", 1.0),),
     ),
     "snowfall": Quantity(
         ("snowfall_flux", "lwe_thickness_of_snowfall_amount"),
         ("prsn", "msr", "avg_tsrwe", "sf"),
-        _RATE,
         "kg m-2 s-1",
         0.0,
         0.1,
-        sums=_WATER_SUM,
+        also=(("m s-1", _WATER),),
+        sums=(("kg m-2", 1.0), ("m", _WATER)),
     ),
     "precipitation": Quantity(
         ("precipitation_flux", "lwe_thickness_of_precipitation_amount"),
         ("pr", "mtpr", "avg_tprate", "tp"),
-        _RATE,
         "kg m-2 s-1",
         0.0,
         0.1,
-        sums=_WATER_SUM,
+        also=(("m s-1", _WATER),),
+        sums=(("kg m-2", 1.0), ("m", _WATER)),
     ),
     "ocean_heat_flux": Quantity(
         ("upward_sea_ice_basal_heat_flux",),
         ("fsitherm", "ocean_heat_flux"),
-        _FLUX,
         "W m-2",
         -500.0,
         5.0e3,
@@ -124,21 +106,34 @@ QUANTITIES: dict[str, Quantity] = {
 
 @dataclass(frozen=True)
 class Pair:
-    """A vector: names of its two components, by what they point along."""
+    """A vector: names of its two components, by what they point along.
+
+    ``common`` are names that mean east and north on longitude and latitude, and nothing elsewhere;
+    ``along_grid`` names of model histories whose components lie along the grid's own axes.
+    """
 
     east_north: tuple[tuple[str, str], ...]
     map_axes: tuple[tuple[str, str], ...]
     common: tuple[tuple[str, str], ...]
     high: float
     ocean: bool = False
+    along_grid: tuple[tuple[str, str], ...] = ()
 
 
 VECTORS: dict[str, Pair] = {
     "wind": Pair(
         (("eastward_wind", "northward_wind"),),
         (("x_wind", "y_wind"), ("grid_eastward_wind", "grid_northward_wind")),
-        (("u10", "v10"), ("uas", "vas"), ("10u", "10v")),
+        (
+            ("u10", "v10"),
+            ("uas", "vas"),
+            ("10u", "10v"),
+            ("uwnd", "vwnd"),
+            ("uas_10m", "vas_10m"),
+            ("U_10", "V_10"),
+        ),
         150.0,
+        along_grid=(("uatm", "vatm"),),
     ),
     "ocean": Pair(
         (
@@ -148,13 +143,15 @@ VECTORS: dict[str, Pair] = {
         (
             ("sea_water_x_velocity", "sea_water_y_velocity"),
             ("x_sea_water_velocity", "y_sea_water_velocity"),
+            ("surface_sea_water_x_velocity", "surface_sea_water_y_velocity"),
         ),
         (("uo", "vo"), ("water_u", "water_v")),
         10.0,
         True,
+        (("vozocrtx", "vomecrty"), ("uocn", "vocn"), ("ssu_m", "ssv_m")),
     ),
 }
-VECTOR_UNITS = _SPEED
+VECTOR_UNITS = "m s-1"
 
 
 @dataclass(frozen=True)
@@ -193,9 +190,15 @@ def _surface(found: list[cf.Variable], common: Iterable[str]) -> list[cf.Variabl
 
 
 def find_vector(
-    variables: dict[str, cf.Variable], name: str, path: str | Path
+    variables: dict[str, cf.Variable],
+    name: str,
+    path: str | Path,
+    on_lonlat: Callable[[cf.Variable], bool] | None = None,
 ) -> FoundVector | None:
     """The variables that hold a vector's components, or None.
+
+    ``on_lonlat`` tells whether a variable lies on longitude and latitude, where the variables are
+    those of several files.
 
     Raises
     ------
@@ -218,12 +221,20 @@ def find_vector(
         return FoundVector(parts[0][0], parts[1][0], east_north)
     for u, v in pair.common:
         if u in variables and v in variables:
-            if not cf.layout(variables, variables[u], path).lonlat:
+            lonlat = (
+                on_lonlat(variables[u])
+                if on_lonlat
+                else cf.layout(variables, variables[u], path).lonlat
+            )
+            if not lonlat:
                 raise FloeError(
                     f"{path}: '{u}' and '{v}' need standard_names that say whether they point "
                     "east and north or along the grid"
                 )
             return FoundVector(variables[u], variables[v], True)
+    for u, v in pair.along_grid:
+        if u in variables and v in variables:
+            return FoundVector(variables[u], variables[v], False)
     return None
 
 
@@ -231,14 +242,7 @@ def _quoted(found: list[cf.Variable]) -> str:
     return ", ".join(f"'{item.name}'" for item in found)
 
 
-def units_of(variable: cf.Variable) -> str:
-    """Units of a variable in lower case, single blanks."""
-    return " ".join(variable.text("units").split()).lower()
-
-
-def conversion(
-    variable: cf.Variable, units: dict[str, tuple[float, float]], si: str, path: str | Path
-) -> tuple[float, float]:
+def conversion(variable: cf.Variable, si: str, path: str | Path) -> tuple[float, float]:
     """Factor and offset that bring a variable to SI.
 
     Raises
@@ -246,8 +250,19 @@ def conversion(
     FloeError
         Where it has no units, or units that are not known for it.
     """
-    if units_of(variable) in units:
-        return units[units_of(variable)]
+    found = _conversion(variable, si)
+    if found is None:
+        _refuse_units(variable, si, path)
+        raise AssertionError  # not reached
+    return found
+
+
+def _conversion(variable: cf.Variable, si: str) -> tuple[float, float] | None:
+    given = variable.text("units")
+    return units.conversion(given, si) if given else None
+
+
+def _refuse_units(variable: cf.Variable, si: str, path: str | Path) -> None:
     given = variable.text("units")
     said = f"has units '{given}'" if given else "has no units"
     raise FloeError(f"{path}: variable '{variable.name}' {said}, not such as {si}")
@@ -263,6 +278,13 @@ def scalar_conversion(
     FloeError
         As `conversion`.
     """
-    if units_of(variable) in quantity.sums:
-        return quantity.sums[units_of(variable)], 0.0, True
-    return *conversion(variable, quantity.units, quantity.si, path), False
+    found = _conversion(variable, quantity.si)
+    if found is not None:
+        return *found, False
+    for kinds, summed in ((quantity.also, False), (quantity.sums, True)):
+        for si, factor in kinds:
+            found = _conversion(variable, si)
+            if found is not None and found[1] == 0.0:
+                return factor * found[0], 0.0, summed
+    _refuse_units(variable, quantity.si, path)
+    raise AssertionError  # not reached

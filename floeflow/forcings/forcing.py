@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Forcing of one window on the scene grid, from any CF file, in SI units.
+"""Forcing of one window on the scene grid, from any CF files, in SI units.
 
-Bilinear in space, the file's own times cut to the window. Vectors are turned into the scene's axes
-where they stand in the file, before they are interpolated, so that nothing breaks at the pole. Only
+Bilinear in space, or area means where a file is much the finer; the files' own times cut to the
+window. Each component of a vector is turned into the scene's axes where it stands in the file,
+before it is interpolated, so that nothing breaks at the pole and staggered grids need no care. Only
 the ocean's values may be missing, on land. See docs/forcing.md.
 """
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,16 +17,19 @@ import pyproj
 import xarray as xr
 from numpy.typing import NDArray
 
-from floeflow.core import cf_reading as cf
-from floeflow.core import fields, interpolate, vectors
+from floeflow.core import area_means as areas
+from floeflow.core import interpolate, vectors
 from floeflow.core.constants import EARTH_ROTATION
 from floeflow.core.errors import FloeError
-from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
-from floeflow.core.times import say, seconds_since, window_span
+from floeflow.core.fields import AnySource
+from floeflow.core.grids import Grid, scene_crs, scene_grid, to_lonlat
+from floeflow.core.times import say, window_span
 from floeflow.forcings import cf_variables as names
-from floeflow.forcings.accumulate import Rates, rates
-from floeflow.forcings.inputs import SUBSTITUTES, check_axis, check_cover, forcing_items, midnight
+from floeflow.forcings import fallback
+from floeflow.forcings.accumulate import Rates
 from floeflow.forcings.moisture import dew_point_humidity, snow_of_precipitation
+from floeflow.forcings.sources import Sources, find_sources, forcing_hints
+from floeflow.forcings.tracks import InputFile, Track, open_files
 from floeflow.scene.blocks import Scene
 from floeflow.scene.effects import forcing_variables
 
@@ -35,6 +40,9 @@ log = logging.getLogger(__name__)
 
 # Ocean values missing on land take the nearest one up to this far (m); beyond it there is none.
 OCEAN_REACH = 5.0e5
+# Area means where so many points of a file lie along the side of a cell: the analytic forcing has
+# two, and its values are of points.
+FINER = 2.2
 UNITS = {
     "wind": "m s-1",
     "ocean": "m s-1",
@@ -50,182 +58,144 @@ UNITS = {
 
 
 @dataclass
-class _File:
-    """An open forcing file, a scene's places, and the weights between them."""
+class _Places:
+    """A scene's grid, and the weights from the files' grids to it."""
 
-    path: Path
     scene: Scene
-    data: xr.Dataset
-    variables: dict[str, cf.Variable]
+    grid: Grid
     crs: pyproj.CRS
     lon: Array
     lat: Array
     span: tuple[float, float]
-    cache: dict[tuple[str, str, str], tuple[fields.Source, interpolate.Weights]] = field(
-        default_factory=dict
-    )
+    known: list[tuple[AnySource, interpolate.Transfer]] = field(default_factory=list)
 
-    def grid(self, variable: cf.Variable) -> tuple[fields.Source, interpolate.Weights]:
-        """The variable's grid and its weights to the scene grid; refuses a file too small."""
-        layout = cf.layout(self.variables, variable, self.path)
-        key = (layout.x, layout.y, variable.text("grid_mapping"))
-        if key not in self.cache:
-            source = fields.source_grid(self.variables, variable, layout, self.data, self.path)
-            found = interpolate.weights(source, self.lon, self.lat)
-            if not found.inside.all():
-                worst = int(np.argmin(found.inside))
-                lat, lon = self.lat.ravel()[worst], self.lon.ravel()[worst]
-                raise FloeError(
-                    f"{self.path}: '{variable.name}' does not cover the scene, such as "
-                    f"{_place(lat, lon)}"
-                )
-            self.cache[key] = source, found
-        return self.cache[key]
+    def transfer(self, track: Track) -> interpolate.Transfer:
+        """Weights from a variable's grid to the scene's; refuses a file too small."""
+        source = track.source()
+        for old, found in self.known:
+            if old is source:
+                return self._covering(found, track)
+        found = areas.transfer(source, self.grid, self.crs, self.lon, self.lat, FINER)
+        self.known.append((source, found))
+        return self._covering(found, track)
 
-    def times(self, variable: cf.Variable) -> tuple[Array, Index]:
-        """Times (s) that bracket the window, and their indices; none for a steady variable."""
-        layout = cf.layout(self.variables, variable, self.path)
-        if not layout.time:
-            return np.empty(0), np.zeros(1, dtype=np.int64)
-        axis = self.variables[layout.time]
-        seconds = seconds_since(
-            self.data[layout.time].values, axis, self.scene.time.start, self.path
-        )
-        check_cover(seconds, *self.span, self.scene, self.path, layout.time)
-        first = int(np.searchsorted(seconds, self.span[0], side="right")) - 1
-        last = int(np.searchsorted(seconds, self.span[1], side="left"))
-        index = np.arange(first, last + 1)
-        return seconds[index], index
+    def _covering(self, found: interpolate.Transfer, track: Track) -> interpolate.Transfer:
+        inside = found.inside
+        distance = getattr(found, "distance", None)
+        if track.ocean and distance is not None:
+            # Grids of the ocean may leave out blocks of land.
+            inside = inside | (distance <= OCEAN_REACH)
+        if not inside.all():
+            worst = int(np.argmin(inside))
+            raise FloeError(
+                f"{track.path}: '{track.name}' does not cover the scene, such as "
+                f"{self.place(worst)}"
+            )
+        return found
 
-    def sums(self, variable: cf.Variable) -> Rates:
-        """How the records of a variable that is summed over time make rates in the window."""
-        layout = cf.layout(self.variables, variable, self.path)
-        if not layout.time:
-            raise FloeError(f"{self.path}: '{variable.name}' is a sum over no time: give its rate")
-        axis = self.variables[layout.time]
-        seconds = seconds_since(
-            self.data[layout.time].values, axis, self.scene.time.start, self.path
-        )
-        check_axis(seconds, *self.span, self.scene, self.path, layout.time)
-        how = self.scene.forcing.accumulation
-        return rates(seconds, self.span, how, midnight(self.scene), (self.path, variable.name))
+    def place(self, point: int) -> str:
+        """A point of the grid in words."""
+        lat, lon = self.lat.ravel()[point], (self.lon.ravel()[point] + 180.0) % 360.0 - 180.0
+        north, east = "N" if lat >= 0 else "S", "E" if lon >= 0 else "W"
+        return f"{abs(lat):.1f} {north}, {abs(lon):.1f} {east}"
 
-    def values(self, variable: cf.Variable, ocean: bool, index: Index) -> Array:
-        """Raw values at these times on the file's grid, nothing missing where it is needed."""
-        layout = cf.layout(self.variables, variable, self.path)
-        source, found = self.grid(variable)
-        values = fields.read_values(self.data, variable.name, layout, source, index, self.path)
+    def values(self, track: Track, plan: Rates) -> Array:
+        """Values of a plan's records on the file's grid, nothing missing where it is needed."""
+        found = self.transfer(track)
+        values = track.values(plan.index)
         missing = np.isnan(values)
-        if ocean and missing.any():
+        if track.ocean and missing.any():
             always = missing.all(axis=0)
             if always.all():
-                raise FloeError(f"{self.path}: '{variable.name}' has no value in the window")
+                raise FloeError(f"{track.path}: '{track.name}' has no value in the window")
             filled = interpolate.fill_nearest(
-                np.where(always, np.nan, np.where(missing, 0.0, values)), source, OCEAN_REACH
+                np.where(always, np.nan, np.where(missing, 0.0, values)),
+                track.source(),
+                OCEAN_REACH,
             )
             values = np.where(missing & ~always, np.nan, filled)
-        self._refuse_missing(variable, layout, source, found, values, index)
+        at_scene = found.of(values)
+        if not np.isfinite(at_scene).all():
+            when, where = np.argwhere(~np.isfinite(at_scene))[0]
+            time = ""
+            if track.layout.time:
+                seconds = track.seconds[plan.index[when]]
+                time = f" at {say(self.scene.time.start, float(seconds))}"
+            raise FloeError(
+                f"{track.path}: '{track.name}' is missing or not finite{time} near "
+                f"{self.place(int(where))}"
+            )
         return values
 
-    def _refuse_missing(
-        self,
-        variable: cf.Variable,
-        layout: cf.Layout,
-        source: fields.Source,
-        found: interpolate.Weights,
-        values: Array,
-        index: Index,
-    ) -> None:
-        at_scene = found.apply(source.padded(values))
-        if np.isfinite(at_scene).all():
-            return
-        when, where = np.argwhere(~np.isfinite(at_scene))[0]
-        time = ""
-        if layout.time:
-            axis = self.variables[layout.time]
-            value = self.data[layout.time].values[index[when]]
-            seconds = seconds_since(value, axis, self.scene.time.start, self.path)
-            time = f" at {say(self.scene.time.start, float(seconds[0]))}"
-        lat, lon = self.lat.ravel()[where], self.lon.ravel()[where]
-        raise FloeError(
-            f"{self.path}: '{variable.name}' is missing or not finite{time} near {_place(lat, lon)}"
-        )
 
-
-def _place(lat: float, lon: float) -> str:
-    east = (lon + 180.0) % 360.0 - 180.0
-    return f"{abs(lat):.1f} {'N' if lat >= 0 else 'S'}, {abs(east):.1f} {'E' if east >= 0 else 'W'}"
-
-
-def _scalar(file: _File, name: str, variable: cf.Variable) -> tuple[Array, Array]:
+def _scalar(places: _Places, name: str, track: Track) -> tuple[Array, Array]:
     """Times and SI values (time, place) of a scalar; refuses values that cannot be."""
     quantity = names.QUANTITIES[name]
-    factor, offset, summed = names.scalar_conversion(variable, quantity, file.path)
-    source, found = file.grid(variable)
-    if summed:
-        plan = file.sums(variable)
-        seconds, index = plan.seconds, plan.index
-    else:
-        seconds, index = file.times(variable)
-    values = factor * file.values(variable, quantity.ocean, index) + offset
-    at_scene = found.apply(source.padded(values))
-    if summed:
-        at_scene = plan.of(at_scene)
+    factor, offset, summed = names.scalar_conversion(track.variable, quantity, track.path)
+    plan = track.records(places.span)
+    values = factor * places.values(track, plan) + offset
+    at_scene = plan.of(places.transfer(track).of(values))
     low, high = float(at_scene.min()), float(at_scene.max())
     # Packing leaves fluxes a shade below zero, and more so differences of sums.
     slack = (3e-4 if summed else 1e-6) * (quantity.high - quantity.low)
     if low < quantity.low - slack or high > quantity.high + slack:
         raise FloeError(
-            f"{file.path}: '{variable.name}' reaches from {low:g} to {high:g} {quantity.si}, "
+            f"{track.path}: '{track.name}' reaches from {low:g} to {high:g} {quantity.si}, "
             f"outside {quantity.low:g} to {quantity.high:g}: check its units"
         )
-    return seconds, np.clip(at_scene, quantity.low, quantity.high)
+    return plan.seconds, np.clip(at_scene, quantity.low, quantity.high)
 
 
-def _vector(file: _File, name: str, item: names.FoundVector) -> tuple[Array, Array, Array]:
-    """Times and components along the scene's axes (time, place), m/s."""
-    pair = names.VECTORS[name]
-    parts = []
-    for variable in (item.u, item.v):
-        factor, _ = names.conversion(variable, names.VECTOR_UNITS, "m s-1", file.path)
-        seconds, index = file.times(variable)
-        parts.append(factor * file.values(variable, pair.ocean, index))
-    source, found = file.grid(item.u)
-    if source is not file.grid(item.v)[0] or parts[0].shape != parts[1].shape:
+def _vector(
+    places: _Places, name: str, pair: tuple[Track, Track], east_north: bool
+) -> tuple[Array, Array, Array]:
+    """Times and components along the scene's axes (time, place), m/s.
+
+    Each component is a vector along its own direction on the scene's map at its own points.
+    """
+    high = names.VECTORS[name].high
+    one, other = pair
+    said = f"{one.path}: '{one.name}' and '{other.name}'"
+    plans = [track.records(places.span) for track in pair]
+    if plans[0].seconds.size != plans[1].seconds.size or not np.allclose(
+        plans[0].seconds, plans[1].seconds
+    ):
+        raise FloeError(f"{said} are not of the same times")
+    sources = [track.source() for track in pair]
+    raw = []
+    for track, plan in zip(pair, plans, strict=True):
+        factor, _ = names.conversion(track.variable, names.VECTOR_UNITS, track.path)
+        raw.append(factor * places.values(track, plan))
+    together = raw[0].shape == raw[1].shape
+    fastest = np.hypot(*raw) if together else np.concatenate([part.ravel() for part in raw])
+    speed = float(np.nanmax(np.abs(fastest), initial=0.0))
+    if speed > high:
+        raise FloeError(f"{said} reach {speed:g} m/s, above {high:g}: check their units")
+    u, v = np.zeros(1), np.zeros(1)
+    for number, (track, plan, values) in enumerate(zip(pair, plans, raw, strict=True)):
+        angle = vectors.component_angle(sources[number], places.crs, east_north, number == 1)
+        found = places.transfer(track)
+        parts = [plan.of(found.of(values * turn)) for turn in (np.cos(angle), np.sin(angle))]
+        u, v = u + parts[0], v + parts[1]
+    if not (np.isfinite(u).all() and np.isfinite(v).all()):
         raise FloeError(
-            f"{file.path}: '{item.u.name}' and '{item.v.name}' are not on the same grid and times"
+            f"{said} cannot be turned to the axes of '{places.scene.domain.crs}' everywhere in "
+            "the scene"
         )
-    speed = float(np.nanmax(np.hypot(*parts)))
-    if speed > pair.high:
-        raise FloeError(
-            f"{file.path}: '{item.u.name}' and '{item.v.name}' reach {speed:g} m/s, above "
-            f"{pair.high:g}: check their units"
-        )
-    lon, lat = source.lonlat()
-    east, north = parts
-    if not item.east_north and source.crs is not None:
-        # On longitude and latitude the grid's own axes are east and north.
-        angle = vectors.north_angle(source.crs, lon, lat)
-        east, north = vectors.map_to_east_north(east, north, angle)
-    u, v = vectors.east_north_to_map(east, north, vectors.north_angle(file.crs, lon, lat))
-    at_scene = found.apply(source.padded(u)), found.apply(source.padded(v))
-    if not (np.isfinite(at_scene[0]).all() and np.isfinite(at_scene[1]).all()):
-        raise FloeError(
-            f"{file.path}: '{item.u.name}' and '{item.v.name}' cannot be turned to the axes of "
-            f"'{file.scene.domain.crs}' everywhere in the scene"
-        )
-    return seconds, *at_scene
+    return plans[0].seconds, u, v
 
 
-def make_forcing(scene: Scene, path: str | Path, window: int) -> xr.Dataset:
+def make_forcing(
+    scene: Scene, source: str | Path | Sequence[str | Path], window: int
+) -> xr.Dataset:
     """Forcing of a window.
 
     Parameters
     ----------
     scene : Scene
-        Its domain, time and effects are read.
-    path : str or Path
-        A CF file.
+        Its domain, time, forcing and effects are read.
+    source : str, Path or sequence of them
+        CF files, in the order in which they count.
     window : int
         From 1.
 
@@ -233,47 +203,92 @@ def make_forcing(scene: Scene, path: str | Path, window: int) -> xr.Dataset:
     -------
     xarray.Dataset
         The variables of ``floeflow.scene.effects.forcing_variables`` on (time, y, x), coriolis on
-        (y, x); time in seconds since the scene's start, both ends of the window included.
+        (y, x); time in seconds since the scene's start, both ends of the window included. The
+        attribute ``sources`` says where each comes from.
 
     Raises
     ------
     FloeError
         For what is missing, does not cover scene or window, or cannot be.
     """
-    path = Path(path)
+    paths = [Path(source)] if isinstance(source, str | Path) else [Path(item) for item in source]
     grid, crs = scene_grid(scene.domain), scene_crs(scene.domain)
     lon, lat = to_lonlat(crs, *grid.mesh())
     span = window_span(window, scene.time.window)
-    needed = forcing_variables(scene.effects)
-    series: dict[str, tuple[Array, Array]] = {}
-    variables = cf.describe(path)
-    items = forcing_items(variables, scene.effects, path)
-    with fields.open_file(path) as data:
-        file = _File(path, scene, data, variables, crs, lon, lat, span)
-        for name, item in items.items():
-            if isinstance(item, names.FoundVector):
-                seconds, u, v = _vector(file, name, item)
-                series |= {f"{name}_u": (seconds, u), f"{name}_v": (seconds, v)}
-            elif len(item) == 2:
-                for other, variable in zip(SUBSTITUTES[name], item, strict=True):
-                    series[other] = _scalar(file, other, variable)
-            else:
-                series[name] = _scalar(file, name, item[0])
+    places = _Places(scene, grid, crs, lon, lat, span)
+    files = open_files(paths, forcing_hints(scene))
+    try:
+        found = find_sources(scene, files)
+        series, said = _from_files(places, found)
+    finally:
+        _close(files)
     own = np.unique(np.concatenate([list(span), *(seconds for seconds, _ in series.values())]))
     time = own[(own >= span[0]) & (own <= span[1])]
+    if "cyclone" in found.fallbacks.values():
+        time = np.unique(np.append(time, np.arange(span[0], span[1], scene.forcing.step)))
     made = {name: interpolate.at_times(*item, time) for name, item in series.items()}
-    if "dew_point" in made:
-        made["specific_humidity"] = dew_point_humidity(made["dew_point"], made["air_pressure"])
-    if "precipitation" in made:
-        made["snowfall"] = snow_of_precipitation(made["precipitation"], made["air_temperature"])
-    if "ocean_heat_flux" in needed and "ocean_heat_flux" not in made:
-        steady = scene.forcing.weather.ocean_heat_flux
-        log.info("the file has no ocean heat flux: %g W/m2 of forcing.weather", steady)
-        made["ocean_heat_flux"] = np.full((time.size, lon.size), steady)
-    if "coriolis" in needed:
+    for name, stand_in in found.fallbacks.items():
+        made |= fallback.fields(scene, name, stand_in, time)
+        said[name] = f"forcing.fallback: {stand_in}"
+    made |= _derived(made)
+    if "coriolis" in forcing_variables(scene.effects):
         made["coriolis"] = 2.0 * EARTH_ROTATION * np.sin(np.radians(lat))
+    for name, text in said.items():
+        log.info("%s: %s", name, text)
+    return _dataset(scene, grid, time, made, window, said)
+
+
+def _close(files: Sequence[InputFile]) -> None:
+    for file in files:
+        file.data.close()
+
+
+def _from_files(
+    places: _Places, found: Sources
+) -> tuple[dict[str, tuple[Array, Array]], dict[str, str]]:
+    """Series of all that the files have, and where each comes from."""
+    series: dict[str, tuple[Array, Array]] = {}
+    said = {}
+    for name, item in found.tracks.items():
+        if isinstance(item, tuple):
+            seconds, u, v = _vector(places, name, item, found.east_north[name])
+            series |= {f"{name}_u": (seconds, u), f"{name}_v": (seconds, v)}
+        else:
+            series[name] = _scalar(places, name, item)
+        said[name] = describe(item)
+    return series, said
+
+
+def describe(item: Track | tuple[Track, Track]) -> str:
+    """Where a quantity comes from, for people."""
+    first = item[0] if isinstance(item, tuple) else item
+    whole = ", ".join(track.name for track in (item if isinstance(item, tuple) else (item,)))
+    level = first.level()
+    kinds = {"mean": "means over time", "sum": "sums over time"}
+    extra = [kinds[first.kind]] if first.kind in kinds else []
+    return "; ".join([f"{whole} of {first.path}", *([level] if level else []), *extra])
+
+
+def _derived(made: dict[str, Array]) -> dict[str, Array]:
+    found = {}
+    if "dew_point" in made:
+        humidity = dew_point_humidity(made["dew_point"], made["air_pressure"])
+        found["specific_humidity"] = humidity
+    if "precipitation" in made:
+        found["snowfall"] = snow_of_precipitation(made["precipitation"], made["air_temperature"])
+    return found
+
+
+def _dataset(
+    scene: Scene,
+    grid: Grid,
+    time: Array,
+    made: dict[str, Array],
+    window: int,
+    said: dict[str, str],
+) -> xr.Dataset:
     data_vars = {}
-    for name in needed:
+    for name in forcing_variables(scene.effects):
         dims = ("y", "x") if name == "coriolis" else ("time", "y", "x")
         values = np.ascontiguousarray(made[name]).reshape(
             grid.shape if name == "coriolis" else (time.size, *grid.shape)
@@ -286,4 +301,5 @@ def make_forcing(scene: Scene, path: str | Path, window: int) -> xr.Dataset:
         "x": ("x", grid.x, {"units": "m"}),
         "y": ("y", grid.y, {"units": "m"}),
     }
-    return xr.Dataset(data_vars, coords=coords, attrs={"crs": scene.domain.crs})
+    sources = "\n".join(f"{name}: {text}" for name, text in said.items())
+    return xr.Dataset(data_vars, coords, {"crs": scene.domain.crs, "sources": sources})

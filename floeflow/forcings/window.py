@@ -9,6 +9,7 @@ import xarray as xr
 
 from floeflow.forcings.analytic import make_analytic, write_cf
 from floeflow.forcings.forcing import make_forcing
+from floeflow.forcings.sources import forcing_files as user_files
 from floeflow.scene import Scene
 
 
@@ -36,7 +37,7 @@ def window_forcing(scene: Scene, window: int, scratch: Path) -> xr.Dataset:
         For what is missing, does not cover scene or window, or cannot be.
     """
     if scene.forcing.source == "file":
-        return make_forcing(scene, scene.forcing.file, window)
+        return make_forcing(scene, user_files(scene), window)
     path = scratch / f"analytic_{window:04d}.nc"
     scratch.mkdir(parents=True, exist_ok=True)
     try:
@@ -48,4 +49,4 @@ def window_forcing(scene: Scene, window: int, scratch: Path) -> xr.Dataset:
 
 def forcing_files(scene: Scene) -> tuple[str, ...]:
     """Files of the user that the forcing is read from."""
-    return (scene.forcing.file,) if scene.forcing.source == "file" else ()
+    return tuple(map(str, user_files(scene))) if scene.forcing.source == "file" else ()

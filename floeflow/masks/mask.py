@@ -6,17 +6,18 @@ cent, its days many. What is missing in it is never used as a number: see docs/m
 """
 
 import logging
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from floeflow.core import cf_reading as cf
-from floeflow.core import fields, interpolate
+from floeflow.core import area_means, fields, interpolate
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import cell_area, mask_grid, scene_crs, to_lonlat
-from floeflow.forcings.inputs import find_concentration, nearest_time
+from floeflow.masks.mask_file import MaskFile, read_mask_file
+from floeflow.masks.pole_hole import LOWEST, RIM, find_hole, rim_mean
+from floeflow.masks.thickness import CELL_MEAN
 from floeflow.scene.blocks import Scene
 
 Array = NDArray[np.float64]
@@ -24,121 +25,49 @@ Flags = NDArray[np.bool_]
 
 log = logging.getLogger(__name__)
 
-PER_CENT = {"%", "percent", "per cent", "per_cent", "percentage"}
-LENGTHS = {"m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0, "cm": 0.01}
-# Packed files overshoot by their rounding.
-TOLERANCE = 0.01
-MOST_THICKNESS = 50.0
 
+@dataclass
+class _Placed:
+    """A mask file's fields, its gaps filled, and the weights to the mask grid."""
 
-def as_share(values: Array, units: str, what: str) -> Array:
-    """Concentration as a share.
-
-    Per cent is told by the units, but files are known whose units say per cent and whose values
-    are shares: where no value is above 1, they are taken as shares.
-
-    Parameters
-    ----------
-    values : ndarray
-        As in the file, NaN where missing.
-    units : str
-        The file's units.
-    what : str
-        File and variable, for the message.
-
-    Raises
-    ------
-    FloeError
-        Where units are unknown or values lie outside 0..1 by more than a packing's rounding.
-    """
-    known = values[np.isfinite(values)]
-    low, high = float(known.min()), float(known.max())
-    if units.lower() in PER_CENT:
-        if high > 1.0 + TOLERANCE:
-            values, low, high = values / 100.0, low / 100.0, high / 100.0
-        else:
-            log.warning("%s: units say '%s' but no value is above 1: taken as shares", what, units)
-    elif units not in ("", "1", "fraction"):
-        raise FloeError(f"{what} has units '{units}', which are neither a share nor per cent")
-    if low < -TOLERANCE or high > 1.0 + TOLERANCE:
-        raise FloeError(
-            f"{what} (units '{units}') reaches from {low:g} to {high:g} as a share, outside 0..1: "
-            "check its units and its missing values"
-        )
-    return np.clip(values, 0.0, 1.0)
-
-
-def as_metres(values: Array, units: str, what: str) -> Array:
-    """Ice thickness in metres; see `as_share`."""
-    if units.lower() not in LENGTHS:
-        raise FloeError(f"{what} has units '{units}', not m or cm")
-    values = values * LENGTHS[units.lower()]
-    known = values[np.isfinite(values)]
-    low, high = float(known.min()), float(known.max())
-    if low < -TOLERANCE or high > MOST_THICKNESS:
-        raise FloeError(
-            f"{what} reaches from {low:g} to {high:g} m, outside 0..{MOST_THICKNESS:g} m: check "
-            "its units and its missing values"
-        )
-    return np.maximum(values, 0.0)
-
-
-class _Reader:
-    """The fields of one mask file, brought to the mask grid."""
-
-    def __init__(self, scene: Scene, lon: Array, lat: Array) -> None:
-        self.scene, self.shape = scene, lon.shape
-        self.path = Path(scene.mask.file)
-        self.variables = cf.describe(self.path)
-        mask = scene.mask
-        self.concentration = find_concentration(self.variables, mask.concentration, self.path)
-        with fields.open_file(self.path) as data:
-            layout = cf.layout(self.variables, self.concentration, self.path)
-            self.source = fields.source_grid(
-                self.variables, self.concentration, layout, data, self.path
-            )
-            self.weights = interpolate.weights(self.source, lon, lat)
-            self.raw = self._raw(data, self.concentration)
-            self.thickness = self._raw(data, self._variable("thickness"))
-            self.water = self._raw(data, self._variable("water"))
-
-    def _variable(self, key: str) -> cf.Variable | None:
-        name = getattr(self.scene.mask, key)
-        return cf.named(self.variables, name, self.path, f"mask.{key}") if name else None
-
-    def _raw(self, data: xr.Dataset, variable: cf.Variable | None) -> Array | None:
-        if variable is None:
-            return None
-        layout = cf.layout(self.variables, variable, self.path)
-        index, off = nearest_time(self.path, self.variables, layout, self.scene)
-        if abs(off) > 86400.0:
-            log.warning(
-                "%s: '%s' is %.1f days away from the scene's start",
-                self.path,
-                variable.name,
-                off / 86400.0,
-            )
-        values = fields.read_values(
-            data, variable.name, layout, self.source, np.array([index]), self.path
-        )[0]
-        if values.shape != (self.source.y.size, self.source.x.size):
-            raise FloeError(
-                f"{self.path}: '{variable.name}' is not on the grid of '{self.concentration.name}'"
-            )
-        if not np.isfinite(values).any():
-            raise FloeError(
-                f"{self.path}: variable '{variable.name}' has no value that is not missing"
-            )
-        return values
-
-    def what(self, variable: cf.Variable) -> str:
-        return f"{self.path}: variable '{variable.name}'"
+    scene: Scene
+    file: MaskFile
+    transfer: interpolate.Transfer
+    shape: tuple[int, int]
+    share: Array
+    hole: Flags
+    beyond: Flags
 
     def to_grid(self, values: Array) -> Array:
-        """Bilinear; nothing (0) off the file's grid."""
-        filled = interpolate.fill_nearest(values, self.source, self.scene.mask.fill_reach)
-        found = self.weights.apply(self.source.padded(filled))
-        return np.where(self.weights.inside, found, 0.0).reshape(self.shape)
+        """On the mask grid; nothing (0) off the file's grid, but its rim's mean over the pole."""
+        filled = interpolate.fill_nearest(values, self.file.source, self.scene.mask.fill_reach)
+        found = np.where(self.transfer.inside, self.transfer.of(filled), 0.0).reshape(self.shape)
+        if self.beyond.any():
+            _, lat = self.file.source.lonlat()
+            south = float(np.nanmax(lat))
+            found[self.beyond] = rim_mean(values, south, lat) or 0.0
+        return found
+
+    def without_hole(self, values: Array) -> Array:
+        """The same with the pole hole filled to its rim's mean.
+
+        Raises
+        ------
+        FloeError
+            Where the rim has no values.
+        """
+        missing = self.hole & np.isnan(values)
+        if not missing.any():
+            return values
+        _, lat = self.file.source.lonlat()
+        south = float(lat[missing].min())
+        mean = rim_mean(values, south, lat)
+        if mean is None:
+            raise FloeError(
+                f"{self.file.path}: the hole around the pole, north of {south:.1f} N, has no "
+                f"values within {RIM:g} degree of its rim that could fill it"
+            )
+        return np.where(missing, mean, values)
 
 
 def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
@@ -154,7 +83,8 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        siconc, sithick (m, over the ice), land, cell_area (m2) on (y, x); attribute crs.
+        siconc, sithick (m, over the ice), land, cell_area (m2) on (y, x); attributes crs, and
+        notes of what was found in the file.
 
     Raises
     ------
@@ -164,47 +94,107 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     grid = mask_grid(scene.domain, scene.mask.refine)
     crs = scene_crs(scene.domain)
     lon, lat = to_lonlat(crs, *grid.mesh())
-    reader = _Reader(scene, lon, lat)
-    assert reader.raw is not None
-    raw = as_share(
-        reader.raw, reader.concentration.text("units"), reader.what(reader.concentration)
-    )
-    if reader.water is not None:
-        raw = np.where(np.isnan(raw) & np.isfinite(reader.water), 0.0, raw)
+    file = read_mask_file(scene)
+    transfer = area_means.transfer(file.source, grid, crs, lon, lat)
+    placed, notes = _placed(scene, file, transfer, lat)
     if scene.mask.land == "none":
         land = np.zeros(grid.shape, dtype=bool)
     elif land_fraction is None:
-        missing = reader.weights.apply(reader.source.padded(np.isnan(raw).astype(float)))
-        land = (missing.reshape(grid.shape) >= scene.mask.land_fraction) & (
-            reader.weights.inside.reshape(grid.shape)
-        )
+        land = _land_of_file(placed) >= scene.mask.land_fraction
     else:
         land = land_fraction >= scene.mask.land_fraction
-    siconc = np.clip(reader.to_grid(raw), 0.0, 1.0)
-    if not reader.weights.inside.all():
-        log.warning(
-            "%s covers %.1f %% of the scene; elsewhere there is open water",
-            reader.path,
-            100.0 * reader.weights.inside.mean(),
+    siconc = np.clip(placed.to_grid(placed.share), 0.0, 1.0)
+    covered = (transfer.inside.reshape(grid.shape) | placed.beyond).mean()
+    if covered < 1.0:
+        notes.append(
+            f"{file.path} covers {100.0 * covered:.1f} % of the scene; elsewhere there is open "
+            "water"
         )
     siconc[land | (siconc < scene.mask.minimum_concentration)] = 0.0
-    siconc, sithick = _with_thickness(scene, reader, siconc)
+    siconc, sithick = _with_thickness(scene, placed, siconc)
     area = cell_area(grid, crs)
+    for note in notes:
+        log.info("%s", note)
     log.info(
         "ice area %.6g km2, ice volume %.6g km3, land %.1f %% of the cells",
         (siconc * area).sum() / 1e6,
         (siconc * sithick * area).sum() / 1e9,
         100.0 * land.mean(),
     )
-    return _dataset(scene, grid.x, grid.y, siconc, sithick, land, area)
+    made = _dataset(scene, grid.x, grid.y, siconc, sithick, land, area)
+    made.attrs["notes"] = "\n".join(notes)
+    return made
 
 
-def _with_thickness(scene: Scene, reader: _Reader, siconc: Array) -> tuple[Array, Array]:
-    """Thickness from the file or by the scene's rule; ice without thickness is no ice."""
-    if reader.thickness is not None:
-        variable = reader.variables[scene.mask.thickness]
-        metres = as_metres(reader.thickness, variable.text("units"), reader.what(variable))
-        sithick = reader.to_grid(metres)
+def _placed(
+    scene: Scene, file: MaskFile, transfer: interpolate.Transfer, lat: Array
+) -> tuple[_Placed, list[str]]:
+    """Fill open water and the pole hole, and say so."""
+    notes = list(file.notes)
+    share = file.share
+    if file.water is not None:
+        share = np.where(np.isnan(share) & file.water, 0.0, share)
+    _, own = file.source.lonlat()
+    hole = find_hole(np.isfinite(share), file.hole, own)
+    cells = np.zeros(share.shape, bool) if hole is None else hole.cells
+    beyond = _beyond_file(file.source, transfer, lat)
+    placed = _Placed(scene, file, transfer, lat.shape, share, cells, beyond)
+    if hole is not None:
+        placed.share = placed.without_hole(share)
+        notes.append(_hole_note(hole.south, float(placed.share[cells].mean())))
+    elif beyond.any():
+        south = float(np.nanmax(own))
+        notes.append(_hole_note(south, rim_mean(share, south, own) or 0.0))
+    if isinstance(transfer, area_means.AreaMeans):
+        notes.append("the file is finer than the mask: area means of its cells")
+    return placed, notes
+
+
+def _hole_note(south: float, mean: float) -> str:
+    return (
+        f"the hole around the pole, north of {south:.1f} N, is filled to its rim's mean "
+        f"concentration, {mean:.2f}"
+    )
+
+
+def _beyond_file(source: fields.AnySource, transfer: interpolate.Transfer, lat: Array) -> Flags:
+    """Mask cells around the pole that a file of longitudes all round ends short of."""
+    none = np.zeros(lat.shape, bool)
+    if not isinstance(source, fields.Source) or source.crs is not None or not source.periodic:
+        return none
+    top = float(source.y[-1])
+    if top < LOWEST:
+        return none
+    return ~transfer.inside.reshape(lat.shape) & (lat > top)
+
+
+def _land_of_file(placed: _Placed) -> Array:
+    """Share of land by the file: its flags, else what is missing and no pole hole."""
+    file = placed.file
+    land = np.isnan(placed.share) & ~placed.hole if file.land is None else file.land
+    found = placed.transfer.of(land.astype(float))
+    return np.where(placed.transfer.inside, found, 0.0).reshape(placed.shape)
+
+
+def _with_thickness(scene: Scene, placed: _Placed, siconc: Array) -> tuple[Array, Array]:
+    """Thickness from the file or by the scene's rule; ice without thickness is no ice.
+
+    What is brought to the grid is volume per area, so that none is lost or made.
+    """
+    file = placed.file
+    if file.thickness is not None:
+        metres = placed.without_hole(file.thickness)
+        if file.thickness_is == CELL_MEAN:
+            volume, share = placed.to_grid(metres), placed.to_grid(placed.share)
+        else:
+            reach = scene.mask.fill_reach
+            filled = [
+                interpolate.fill_nearest(part, file.source, reach)
+                for part in (placed.share, metres)
+            ]
+            share = placed.to_grid(filled[0])
+            volume = placed.to_grid(filled[0] * filled[1])
+        sithick = np.divide(volume, share, out=np.zeros_like(volume), where=share > 0.0)
     elif scene.mask.thickness_rule == "constant":
         sithick = np.full_like(siconc, scene.mask.ice_thickness)
     else:

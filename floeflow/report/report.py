@@ -44,6 +44,8 @@ class Material:
         Snakemake's benchmark files.
     estimates : mapping
         ``effects.json``: what each effect was expected to change and cost.
+    inputs : sequence of str
+        What was read from the user's files, or stood in for them.
     studies : sequence of mapping
         Digests of the studies that were made for the scene as it is.
     """
@@ -58,6 +60,7 @@ class Material:
     packing: xr.Dataset
     benchmarks: Sequence[Path]
     estimates: Mapping[str, Any]
+    inputs: Sequence[str] = ()
     studies: Sequence[Mapping[str, Any]] = ()
 
 
@@ -100,6 +103,7 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
             "keys": keys,
             "effects": there,
             "absent": absent,
+            "inputs": material.inputs,
             "estimates": material.estimates,
             "element_maps": list(
                 gallery.element_pictures(easel, scene, frame, first, last, material.packing)

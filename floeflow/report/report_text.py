@@ -97,12 +97,14 @@ def cards(numbers: Mapping[str, Any], wall_seconds: float) -> list[Card]:
         Card(
             "Ice area",
             with_unit(numbers["ice_area_end"], AREA_UNITS),
-            _change(numbers["ice_area_start"], numbers["ice_area_end"]),
+            _change(numbers["ice_area_start"], numbers["ice_area_end"])
+            + _export(numbers, "ice_area"),
         ),
         Card(
             "Ice volume",
             with_unit(numbers["ice_volume_end"], VOLUME_UNITS),
-            _change(numbers["ice_volume_start"], numbers["ice_volume_end"]),
+            _change(numbers["ice_volume_start"], numbers["ice_volume_end"])
+            + _export(numbers, "ice_volume"),
         ),
         Card(
             "Mean drift",
@@ -144,6 +146,15 @@ def _change(start: float, end: float) -> str:
     share = 100.0 * (end - start) / start
     sign = "+" if share > 0 else ""
     return "unchanged" if abs(share) < 5e-4 else f"{sign}{number(share, 2)} % since the start"
+
+
+def _export(numbers: Mapping[str, Any], name: str) -> str:
+    """What went through the sides of the rectangle, as a share of the start."""
+    through = [value for key, value in numbers.items() if key.startswith(f"{name}_through_")]
+    start = numbers[f"{name}_start"]
+    if not through or not start:
+        return ""
+    return f", {number(100.0 * sum(through) / start, 2)} % through the sides"
 
 
 def scene_keys(scene: Scene) -> list[Key]:

@@ -58,12 +58,32 @@ class Domain(Block):
     spacing: float = key(1.0e5, "Cell size of the scene grid (forcing, gridded output).", "m", gt=0)
 
 
+class Flags(Block):
+    """Stored numbers of a mask that are no concentration, for files that do not say so."""
+
+    land: tuple[int, ...] = key((), "Numbers that mean land or coast.")
+    pole_hole: tuple[int, ...] = key((), "Numbers that mean the satellite's hole at the pole.")
+    missing: tuple[int, ...] = key((), "Numbers that mean no data.")
+    water: tuple[int, ...] = key((), "Numbers that mean open water.")
+
+
 class Mask(Block):
     """Where there is ice, how much, and where there is land."""
 
     file: str = key(
         "data/oisst_arctic_1981-12-31.nc",
-        "NetCDF file with ice concentration, path from the project's folder.",
+        "File with ice concentration, path from the project's folder: NetCDF, Zarr, GRIB, GeoTIFF, "
+        "PNG, or NSIDC's binary.",
+    )
+    crs: str = key(
+        "", "Projection of x and y in a file that names none (pyproj name); empty: the file's."
+    )
+    flags: Flags = key(Flags(), "Stored numbers that are no concentration.")
+    scale: float = key(
+        0.0, "Share of ice in one count of a file of bare numbers, as a PNG; 0: none.", "1", ge=0
+    )
+    days_off: float = key(
+        16.0, "A mask further from the scene's start than this is refused.", "day", ge=0
     )
     concentration: str = key(
         "",
@@ -71,6 +91,11 @@ class Mask(Block):
         "sea_ice_area_fraction.",
     )
     thickness: str = key("", "Name of the ice thickness variable (m); empty: see thickness_rule.")
+    thickness_is: Literal["", "in_ice", "cell_mean"] = key(
+        "",
+        "What that thickness is: of the ice where there is any, or ice volume over the cell's "
+        "area; empty: as its cell_methods, names and long_name tell.",
+    )
     water: str = key(
         "",
         "Name of a variable that is there on all water and missing on land (such as the sea "
@@ -158,13 +183,42 @@ class Weather(Block):
     ocean_heat_flux: float = key(2.0, "Heat from the ocean to the ice.", "W/m2", ge=0, le=1000)
 
 
+class Fallback(Block):
+    """What stands in for quantities that none of the forcing files has."""
+
+    wind: Literal["", "rest", "cyclone"] = key(
+        "", "Wind without a file: none, or the analytic cyclone; empty: refused."
+    )
+    ocean: Literal["", "rest", "gyre"] = key(
+        "", "Current without a file: none, or the analytic gyre; empty: refused."
+    )
+    weather: Literal["", "weather"] = key(
+        "", "Weather without a file: that of forcing.weather; empty: refused."
+    )
+
+
 class Forcing(Block):
-    """Wind, current and weather: analytic, or from a file of the user."""
+    """Wind, current and weather: analytic, or from files of the user."""
 
     source: Literal["analytic", "file"] = key(
         "analytic", "Written from cyclone, gyre and weather, or read from file."
     )
-    file: str = key("", "CF NetCDF file with the forcing, path from the project's folder.")
+    file: str = key("", "CF file with the forcing, path from the project's folder.")
+    files: tuple[str, ...] = key(
+        (),
+        "Further files or patterns of files (era5_*.nc, archives of ERA5 too): each quantity comes "
+        "from the first that has it, its times from all that have it.",
+    )
+    fallback: Fallback = key(Fallback(), "What stands in for quantities that no file has.")
+    crs: str = key(
+        "", "Projection of x and y in files that name none (pyproj name); empty: the files'."
+    )
+    days_off: float = key(
+        31.0,
+        "A field of one time further from the scene's start than this is refused.",
+        "day",
+        ge=0,
+    )
     accumulation: Literal["", "hour", "step", "day"] = key(
         "",
         "Interval of sums over time: the hour up to a record (ERA5), the step between records, or "
@@ -229,7 +283,8 @@ class Dynamics(Block):
     ocean_drag: float = key(5.5e-3, "Drag coefficient of the ocean.", "1", ge=0, le=0.1)
     turning_angle: float = key(
         25.0,
-        "Turning angle of the ocean drag, to the left of the current (read with turning_angle).",
+        "Turning angle of the ocean drag, to the left of the current in the northern hemisphere "
+        "and to its right in the southern (read with turning_angle).",
         "degree",
         ge=-90,
         le=90,

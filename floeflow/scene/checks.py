@@ -34,9 +34,10 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("effects: 'walls' is named but walls.rim, planes and mesh name none")
     if len(set(scene.walls.rim)) < len(scene.walls.rim):
         raise FloeError("walls.rim names a side twice")
-    if scene.forcing.source == "file" and not scene.forcing.file:
-        raise FloeError("forcing.source is 'file' but forcing.file names none")
-    if scene.forcing.source == "analytic" and scene.forcing.file:
+    given = scene.forcing.file or scene.forcing.files
+    if scene.forcing.source == "file" and not given:
+        raise FloeError("forcing.source is 'file' but forcing.file and forcing.files name none")
+    if scene.forcing.source == "analytic" and given:
         raise FloeError("forcing.file is given but forcing.source is 'analytic'")
     angle = type(scene.dynamics).model_fields["turning_angle"].default
     if scene.dynamics.turning_angle != angle and "turning_angle" not in scene.effects:

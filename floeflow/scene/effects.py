@@ -130,6 +130,8 @@ _REGISTERED = (
         source="McPhee 1975; Hibler 1979",
         needs=("ocean_drag",),
         plugin=("turning_angle",),
+        # Its sign is that of the Coriolis parameter.
+        forcing=("coriolis",),
     ),
     Effect(
         name="coriolis",

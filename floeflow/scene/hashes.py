@@ -40,7 +40,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "cure": ("remap", "merge", "packing.bond_gap"),
     "column": ("effects", "column", "time.window"),
     "grid": ("domain", "effects", "time.start", "time.window", "grid"),
-    "diagnostics": ("effects",),
+    "diagnostics": ("effects", "domain"),
     "trajectory": ("domain.x_min", "domain.x_max", "domain.y_min", "domain.y_max"),
     "estimate": ("effects", "domain", "mask", "packing", "forcing", "time", "dynamics", "column"),
     # All that a mesh shows stands in packing and states.

@@ -16,9 +16,10 @@ from pyproj.exceptions import CRSError
 
 from floeflow.core import cf_reading as cf
 from floeflow.core.errors import FloeError
-from floeflow.core.fields import open_file, source_grid
-from floeflow.core.grids import EARTH_RADIUS, from_lonlat
+from floeflow.core.fields import Source, open_file, source_grid
+from floeflow.core.grids import EARTH_RADIUS, from_lonlat, metres_per_unit
 from floeflow.core.meshes import read_faces
+from floeflow.core.unpack import unpack
 from floeflow.transfer.grid import Grid
 from floeflow.transfer.mesh import Mesh, good_faces
 from floeflow.transfer.stencil import Array, Index
@@ -135,7 +136,7 @@ def _near_map(lon: Array, lat: Array, x: Array, y: Array, faces: Index) -> Index
 def _values(data: xr.Dataset, name: str, path: Path) -> Array:
     if name not in data.variables:
         raise FloeError(f"{path}: variable '{name}' is missing")
-    return np.asarray(data[name].values, dtype=np.float64)
+    return unpack(np.asarray(data[name].values), data[name].attrs).values
 
 
 def _mpas(
@@ -214,7 +215,8 @@ def _between(own: pyproj.CRS, plane: pyproj.CRS, x: Array, y: Array) -> tuple[Ar
     """Places of one projection in another; as they are where both are the same."""
     if own == plane:
         return x, y
-    turned = pyproj.Transformer.from_crs(own, plane, always_xy=True).transform(x, y)
+    unit = metres_per_unit(own)
+    turned = pyproj.Transformer.from_crs(own, plane, always_xy=True).transform(x / unit, y / unit)
     return np.asarray(turned[0], float), np.asarray(turned[1], float)
 
 
@@ -234,6 +236,8 @@ def _structured(
     }
     lon2, lat2 = flat["longitude"], flat["latitude"]
     item = _horizontal(variables, variable, path)
+    if item is not None and cf.layout(variables, item, path).places:
+        item = None
     if item is None and lon2 is not None and lat2 is not None:
         shape = data[lon2.name].shape
         lon, lat = (_values(data, item.name, path).ravel() for item in (lon2, lat2))
@@ -246,9 +250,9 @@ def _structured(
     _monotone(data, layout.x, path)
     _monotone(data, layout.y, path)
     source = source_grid(variables, item, layout, data, path)
-    x, y = np.meshgrid(
-        *(np.asarray(data[name].values, float) * layout.scale for name in (layout.x, layout.y))
-    )
+    assert isinstance(source, Source)  # curvilinear ones went the other way
+    scale = layout.scale or (metres_per_unit(source.crs) if source.crs else 1.0)
+    x, y = np.meshgrid(*(_values(data, name, path) * scale for name in (layout.x, layout.y)))
     faces = _ring(x.shape, source.periodic)
     if source.crs is None:
         px, py = from_lonlat(plane, x.ravel(), y.ravel())

@@ -24,7 +24,8 @@ from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import claim_scene, clear_stale_locks
 from floeflow.core.plugin import plugin_path
-from floeflow.forcings.inputs import check_forcing_file, check_mask_file
+from floeflow.forcings.inputs import check_forcing_file
+from floeflow.masks.mask_file import check_mask_file
 from floeflow.scene import Scene
 from floeflow.scene.hashes import chain_hash
 from floeflow.scene.load import read_keys, read_resolved

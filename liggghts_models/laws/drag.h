@@ -28,9 +28,10 @@ struct DriftInput {
 
 struct DriftLaw {
   bool use_wind, relative_wind, use_ocean, use_coriolis, use_tilt;
-  double air;                 // rho_a C_a, kg/m3
-  double water;               // rho_w C_w, kg/m3
-  double cos_turn, sin_turn;  // turning angle of the ocean drag
+  double air;    // rho_a C_a, kg/m3
+  double water;  // rho_w C_w, kg/m3
+  // Turning angle of the ocean drag where f > 0; where f < 0 it turns the other way.
+  double cos_turn, sin_turn;
 };
 
 // New velocity and the impulse (N s) of each term over the step; they add up to mass (u_new - u).
@@ -97,10 +98,11 @@ inline DriftStep drift_step(const DriftLaw &law, const DriftInput &in, double st
     const double gamma = per_mass * in.area * law.water;
     const Vec2 b{rhs.x + w0.x * alpha - w0.y * q_coriolis,
                  rhs.y + w0.y * alpha + w0.x * q_coriolis};
-    const double s = drag_speed(alpha, q_coriolis, gamma, law.cos_turn, law.sin_turn,
+    const double sin_turn = in.coriolis < 0.0 ? -law.sin_turn : law.sin_turn;
+    const double s = drag_speed(alpha, q_coriolis, gamma, law.cos_turn, sin_turn,
                                 std::sqrt(b.x * b.x + b.y * b.y));
     drag_re = gamma * s * law.cos_turn;
-    drag_im = gamma * s * law.sin_turn;
+    drag_im = gamma * s * sin_turn;
     rhs.x -= drag_re * w0.x - drag_im * w0.y;
     rhs.y -= drag_re * w0.y + drag_im * w0.x;
     re += drag_re;

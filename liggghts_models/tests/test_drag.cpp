@@ -69,6 +69,26 @@ TEST_CASE("drift: the steady state of the step is that of the equations, all ter
   CHECK(std::hypot(sum.x, sum.y) < 1e-10 * 50);
 }
 
+TEST_CASE("drift: the southern hemisphere is the mirror image of the northern") {
+  Uniform r(8);
+  for (int k = 0; k < 2000; ++k) {
+    DriftLaw some = law(k & 1, k & 2, k & 4, k & 8, r(-1, 1));
+    some.relative_wind = k & 16;
+    const double m = std::pow(10.0, r(0, 4)), step = std::pow(10.0, r(0, 3)), f = r(1e-6, 1.5e-4);
+    const Vec2 u{r(-1, 1), r(-1, 1)}, push{r(-9, 9), r(-9, 9)};
+    const Vec2 wind{r(-20, 20), r(-20, 20)}, current{r(-1, 1), r(-1, 1)};
+    const auto mirrored = [](const Vec2 &v) { return Vec2{v.x, -v.y}; };
+    const Vec2 north = drift_step(some, {u, push, m, 1.0, wind, current, f}, step).u_new;
+    const Vec2 south =
+        drift_step(some,
+                   {mirrored(u), mirrored(push), m, 1.0, mirrored(wind), mirrored(current), -f},
+                   step)
+            .u_new;
+    CHECK(south.x == doctest::Approx(north.x).epsilon(1e-13));
+    CHECK(south.y == doctest::Approx(-north.y).epsilon(1e-13));
+  }
+}
+
 TEST_CASE("drift: Coriolis force alone keeps the speed and closes the circle") {
   Vec2 u{0.3, 0.4}, place{0, 0};
   const double f = 1.4e-4;

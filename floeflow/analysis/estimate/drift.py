@@ -8,6 +8,7 @@ backward Euler from rest: m du/dt = τ_a + ρ_w C_w |w| e^{iφ} w - i m f (u - u
 from __future__ import annotations
 
 import cmath
+import math
 
 from floeflow.analysis.estimate.conditions import Conditions
 from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
@@ -30,7 +31,8 @@ def run_drift(c: Conditions, effects: frozenset[str]) -> complex:
     mass = max(c.mass, 1.0)
     stress = AIR_DENSITY * c.air_drag * c.wind**2 / mass if "wind" in effects else 0.0
     factor = SEAWATER_DENSITY * c.ocean_drag / mass if "ocean_drag" in effects else 0.0
-    angle = c.turning_angle if "turning_angle" in effects else 0.0
+    sign = math.copysign(1.0, c.coriolis)
+    angle = sign * c.turning_angle if "turning_angle" in effects else 0.0
     turn = 1j * c.coriolis if "coriolis" in effects else 0j
     tilt = 1j * c.coriolis * 1j * c.current if "tilt" in effects else 0j
     water, push = 1j * c.current, stress + tilt

@@ -101,6 +101,7 @@ def _file_fields(scene: Scene, names: tuple[str, ...]) -> dict[str, list[np.ndar
     from floeflow.core.errors import FloeError
     from floeflow.core.grids import scene_grid
     from floeflow.forcings.forcing import make_forcing
+    from floeflow.forcings.sources import forcing_files
 
     last = scene.time.windows
     windows = sorted({1, (1 + last) // 2, last})
@@ -109,7 +110,7 @@ def _file_fields(scene: Scene, names: tuple[str, ...]) -> dict[str, list[np.ndar
     for effect in ("wind", "ocean_drag", "thermodynamics"):
         asked = scene.model_copy(update={"effects": (effect,)})
         try:
-            parts = [make_forcing(asked, scene.forcing.file, window) for window in windows]
+            parts = [make_forcing(asked, forcing_files(scene), window) for window in windows]
         except FloeError:
             continue
         for name in set(names) & set(map(str, parts[0].data_vars)):

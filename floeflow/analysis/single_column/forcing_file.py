@@ -24,8 +24,9 @@ from floeflow.core.errors import FloeError
 from floeflow.core.times import say, seconds_since
 from floeflow.forcings import cf_variables as names
 from floeflow.forcings.accumulate import rates
-from floeflow.forcings.inputs import GAP, SUBSTITUTES
 from floeflow.forcings.moisture import dew_point_humidity, snow_of_precipitation
+from floeflow.forcings.sources import SUBSTITUTES
+from floeflow.forcings.tracks import GAP
 
 ALWAYS = ("air_temperature", "specific_humidity", "air_pressure", "longwave_down")
 WITH_PROCESS = {"snow": "snowfall", "shortwave": "shortwave_down"}
@@ -96,7 +97,7 @@ class Reader:
         """Times (s) and SI values of a quantity, or of a component of the wind."""
         quantity = names.QUANTITIES.get(kind)
         if quantity is None:
-            factor, offset = names.conversion(variable, names.VECTOR_UNITS, "m s-1", self.path)
+            factor, offset = names.conversion(variable, names.VECTOR_UNITS, self.path)
             low, high, summed = -150.0, 150.0, False
         else:
             low, high = quantity.low, quantity.high

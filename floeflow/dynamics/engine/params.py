@@ -41,7 +41,8 @@ class EngineParams:
     wind_stress_factor, ocean_stress_factor : float
         Density times drag coefficient of air and of water, kg/m3.
     turning_angle : float
-        By which the ocean drag is turned to the left, rad.
+        By which the ocean drag is turned, rad: to the left where the Coriolis parameter is
+        positive, to the right where it is negative.
     relative_wind : bool
         Wind stress from the wind relative to the ice.
     deterministic : bool
@@ -145,7 +146,7 @@ class EngineParams:
             names |= {"wind_u", "wind_v"}
         if self.ocean_drag or self.tilt:
             names |= {"ocean_u", "ocean_v"}
-        if self.coriolis or self.tilt:
+        if self.coriolis or self.tilt or self.turning_angle:
             names |= {"coriolis"}
         return tuple(sorted(names))
 

@@ -77,7 +77,7 @@ def series_figures(
         amount = data[variable].values
         scale, name = pick_unit(units, amount)
         line = (at, amount / scale, "", colour, dash)
-        text = f"{words} of all elements at the window boundaries."
+        text = f"{words} inside the scene's rectangle at the window boundaries."
         yield f"series_{short}", text, _figure(axis, f"{words} ({name})", [line])
 
     kinetic, elastic = data["kinetic_energy"].values, data["elastic_energy"].values

@@ -59,6 +59,22 @@ def test_terminal_drift(log: Path, thickness: float) -> None:
     assert abs(final["v"][0]) < 1e-12
 
 
+@pytest.mark.parametrize("hemisphere", [1.0, -1.0])
+def test_a_turned_drag_deflects_to_the_right_in_the_north_and_to_the_left_in_the_south(
+    log: Path, hemisphere: float
+) -> None:
+    """Free drift of thin ice: the water's drag balances the wind, turned by the angle alone."""
+    angle = math.radians(21.0)
+    params = EngineParams(time_step=60.0, wind=True, ocean_drag=True, turning_angle=angle)
+    with Engine(SELF, params, log) as engine:
+        engine.load(discs(0.0, 0.0, thickness=0.1))
+        engine.set_forcing(uniform(wind=(10.0, 0.0), coriolis=hemisphere * 1.4e-4))
+        engine.run(5000)
+        final = engine.elements()
+    off = math.degrees(math.atan2(final["v"][0], final["u"][0]))
+    assert off == pytest.approx(-21.0 * hemisphere, abs=1e-6)
+
+
 def test_inertial_circle(log: Path) -> None:
     f = 1.4e-4
     one = discs(5e4, -3e4)

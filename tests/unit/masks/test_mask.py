@@ -229,7 +229,9 @@ def test_thickness_rules_and_file(tmp_path: Path) -> None:
     ice = constant["siconc"].values > 0
     assert set(constant["sithick"].values[ice]) == {2.0}
     assert (constant["sithick"].values[~ice] == 0).all()
-    given = mask.make_mask(scene_of(tmp_path / "ice.nc", thickness="h", fill_reach=0.0), None)
+    given = mask.make_mask(
+        scene_of(tmp_path / "ice.nc", thickness="h", thickness_is="in_ice", fill_reach=0.0), None
+    )
     thick = given["sithick"].values
     assert thick.max() == pytest.approx(1.5)
     # Ice without thickness is no ice.
@@ -281,7 +283,7 @@ def test_bad_thickness_is_refused(tmp_path: Path) -> None:
     data["h"] = (("lat", "lon"), np.full(data["siconc"].shape, 9999.0), {"units": "m"})
     data.to_netcdf(tmp_path / "bad.nc")
     with pytest.raises(FloeError, match=r"'h' reaches from 9999 to 9999 m, outside 0..50 m"):
-        mask.make_mask(scene_of(tmp_path / "bad.nc", thickness="h"), None)
+        mask.make_mask(scene_of(tmp_path / "bad.nc", thickness="h", thickness_is="in_ice"), None)
 
 
 @pytest.mark.parametrize("crs", ["EPSG:4326", "nonsense", "EPSG:2263"])

@@ -69,6 +69,11 @@ def test_metno_mask_has_the_files_ice(shared: Path) -> None:
     own = float((np.clip(ice, 0, 1) * (2.0e4 / scale) ** 2).sum())
     assert total == pytest.approx(own, rel=0.02)
     assert 0.3 < float(made["sithick"].max()) < 10
+    # Its thickness is ice volume over the cell's area, as its long name tells.
+    volume = float((made["siconc"] * made["sithick"] * made["cell_area"]).sum())
+    with netCDF4.Dataset(path) as file:
+        deep = np.ma.filled(file["hice"][1], 0.0)
+    assert volume == pytest.approx(float((deep * (2.0e4 / scale) ** 2).sum()), rel=0.02)
 
 
 def test_nsidc_mask_has_the_products_ice_area(shared: Path, tmp_path: Path) -> None:

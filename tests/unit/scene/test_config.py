@@ -66,7 +66,10 @@ def test_the_name_comes_from_the_file_where_none_is_given(tmp_path: Path):
         ("domain: {x_min: 5.0e+6}", "domain.x_min (5e+06) must lie below x_max (4e+06)"),
         ("domain: {spacing: 30000.0}", "domain.spacing (30000 m) must divide the scene's width"),
         ("domain: {spacing: 1000.0}", "mask cells; at most"),
-        ("forcing: {source: file}", "forcing.source is 'file' but forcing.file names none"),
+        (
+            "forcing: {source: file}",
+            "forcing.source is 'file' but forcing.file and forcing.files name none",
+        ),
         ("forcing: {file: x.nc}", "forcing.file is given but forcing.source is 'analytic'"),
         ("forcing: {step: 7000.0}", "forcing.step (7000 s) must divide time.window (86400 s)"),
         ("time: {start: 2000-01-01T00:00:00+01:00}", "time.start: give UTC"),

@@ -88,7 +88,12 @@ def pinned() -> dict[str, str]:
 
 def direct() -> list[str]:
     """Return the names in the two lists of direct dependencies, normalised."""
-    files = ("requirements.in", "requirements-workflow.in", "requirements-dev.in")
+    files = (
+        "requirements.in",
+        "requirements-workflow.in",
+        "requirements-formats.in",
+        "requirements-dev.in",
+    )
     lines = [line for file in files for line in (ROOT / "setup" / file).read_text().splitlines()]
     return [line.lower() for line in lines if line and not line.startswith("#")]
 

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Readers of file formats: each opens a file as a dataset with CF attributes, values as stored.
+
+A reader is one small file with `opens(path)`, which tells by the name or the first bytes whether
+the file is its own, and `open_raw(path)`, which opens it lazily. Numbers stay packed, fills and
+flags stay numbers: `floeflow.core.unpack` decodes them, the same for all formats.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import xarray as xr
+
+from floeflow.core.errors import FloeError
+from floeflow.core.readers import geotiff, grib, netcdf, nsidc, png, zarr_store
+
+# In the order in which they are asked; NetCDF is the last resort and says what is wrong.
+READERS: tuple[ModuleType, ...] = (zarr_store, grib, geotiff, png, nsidc, netcdf)
+
+
+def open_raw(path: str | Path) -> xr.Dataset:
+    """Open a file of any known format, values as stored.
+
+    Raises
+    ------
+    FloeError
+        Where there is no such file, where its format needs a library that is not installed, or
+        where it cannot be read.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise FloeError(f"{path}: there is no such file")
+    for reader in READERS:
+        if reader.opens(path):
+            opened: Callable[[Path], xr.Dataset] = reader.open_raw
+            return opened(path)
+    raise FloeError(f"{path}: is a folder, and no Zarr store")
+
+
+__all__ = ["READERS", "open_raw"]

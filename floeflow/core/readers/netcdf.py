@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""NetCDF of every kind."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import xarray as xr
+
+from floeflow.core.errors import FloeError
+
+
+def opens(path: Path) -> bool:
+    """Any file that no other reader takes."""
+    return path.is_file()
+
+
+def open_raw(path: Path) -> xr.Dataset:
+    """Open lazily, undecoded.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be read as NetCDF.
+    """
+    try:
+        return xr.open_dataset(
+            path, engine="netcdf4", decode_cf=False, create_default_indexes=False
+        )
+    except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
+        raise FloeError(f"{path}: cannot be read as NetCDF ({type(error).__name__})") from None

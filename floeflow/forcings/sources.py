@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which file holds which quantity of the forcing, and what stands in for those that none holds."""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from floeflow.core import cf_reading as cf
+from floeflow.core.atomic_write import write_whole
+from floeflow.core.errors import FloeError
+from floeflow.core.input_files import Hints
+from floeflow.forcings import cf_variables as names
+from floeflow.forcings.tracks import Clock, InputFile, Track
+from floeflow.scene.blocks import Scene
+from floeflow.scene.effects import forcing_variables
+
+# What two quantities make up for a missing one.
+SUBSTITUTES = {
+    "specific_humidity": ("dew_point", "air_pressure"),
+    "snowfall": ("precipitation", "air_temperature"),
+}
+# Quantities that forcing.weather always stands in for: few files have them, and they matter little.
+DEFAULTS = ("ocean_heat_flux", "air_pressure")
+UNPACKED = Path("results/inputs")
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Where the quantities of a scene's forcing come from.
+
+    Parameters
+    ----------
+    tracks : dict of Track or tuple of Track
+        Scalars by their name (dew point and precipitation among them, where they stand for
+        others), ``wind`` and ``ocean`` as pairs of components.
+    east_north : dict of bool
+        Whether a vector's components point east and north; else along its grid.
+    fallbacks : dict of str
+        What no file has, and what stands in for it: ``rest``, ``cyclone``, ``gyre``, ``weather``
+        or ``climatology``.
+    """
+
+    tracks: dict[str, Track | tuple[Track, Track]]
+    east_north: dict[str, bool]
+    fallbacks: dict[str, str]
+
+
+def clock_of(scene: Scene) -> Clock:
+    """What of a scene decides about times."""
+    start = scene.time.start
+    since = 3600.0 * start.hour + 60.0 * start.minute + start.second + 1e-6 * start.microsecond
+    return Clock(start, -since, scene.forcing.accumulation, scene.forcing.days_off)
+
+
+def forcing_hints(scene: Scene) -> Hints:
+    """What the scene says of its forcing files."""
+    return Hints("forcing", scene.forcing.crs)
+
+
+def forcing_files(scene: Scene) -> list[Path]:
+    """Files of a scene's forcing, patterns filled in and archives unpacked, in their order.
+
+    Raises
+    ------
+    FloeError
+        Where a pattern meets no file, or an archive holds none.
+    """
+    given = ([scene.forcing.file] if scene.forcing.file else []) + list(scene.forcing.files)
+    found: list[Path] = []
+    for entry in given:
+        matches = [Path(item) for item in sorted(glob.glob(entry))]
+        if not matches:
+            if any(sign in entry for sign in "*?["):
+                raise FloeError(f"forcing.files: no file is named as {entry}")
+            matches = [Path(entry)]
+        for path in matches:
+            archive = path.suffix.lower() == ".zip" and not path.name.endswith(".zarr.zip")
+            found += unzip(path) if archive else [path]
+    return list(dict.fromkeys(found))
+
+
+def unzip(path: Path, folder: Path = UNPACKED) -> list[Path]:
+    """Unpack an archive's data files, once: ERA5 comes as one.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be read, or holds no data file.
+    """
+    if not path.is_file():
+        raise FloeError(f"{path}: there is no such file")
+    stat = path.stat()
+    mark = f"{path.resolve()} {stat.st_size} {stat.st_mtime_ns}"
+    into = folder / f"{path.stem}-{hashlib.sha256(mark.encode()).hexdigest()[:12]}"
+    found = []
+    try:
+        with zipfile.ZipFile(path) as archive:
+            for item in archive.infolist():
+                # Only the last part of a member's name: none can point out of the folder.
+                name = Path(item.filename).name
+                if item.is_dir() or not name.lower().endswith((".nc", ".nc4", ".grib", ".grb")):
+                    continue
+                target = into / name
+                if not target.is_file():
+                    with write_whole(target) as temporary:
+                        Path(temporary).write_bytes(archive.read(item))
+                found.append(target)
+    except (OSError, zipfile.BadZipFile, RuntimeError) as error:
+        raise FloeError(f"{path}: cannot be unpacked ({type(error).__name__})") from None
+    if not found:
+        raise FloeError(f"{path}: holds no NetCDF or GRIB file")
+    return found
+
+
+def find_sources(scene: Scene, files: Sequence[InputFile]) -> Sources:
+    """Look for what the effects need.
+
+    Raises
+    ------
+    FloeError
+        Names all that no file has and nothing stands in for, with the standard names to give it;
+        or what is there twice, or without its other component.
+    """
+    search = _Search(scene, list(files))
+    wanted = dict.fromkeys(
+        name.rsplit("_", 1)[0] if name.endswith(("_u", "_v")) else name
+        for name in forcing_variables(scene.effects)
+        if name != "coriolis"
+    )
+    for name in wanted:
+        if name in names.VECTORS:
+            search.vector(name)
+        else:
+            search.scalar(name)
+    if search.missing:
+        raise FloeError(f"{label(files)}: has " + "; ".join(search.missing) + search.advice())
+    return Sources(search.tracks, search.east_north, search.fallbacks)
+
+
+def label(files: Sequence[InputFile]) -> str:
+    """Files in words."""
+    if len(files) == 1:
+        return str(files[0].path)
+    return f"{files[0].path} and {len(files) - 1} more"
+
+
+class _Search:
+    def __init__(self, scene: Scene, files: list[InputFile]) -> None:
+        self.scene, self.files, self.clock = scene, files, clock_of(scene)
+        self.tracks: dict[str, Track | tuple[Track, Track]] = {}
+        self.east_north: dict[str, bool] = {}
+        self.fallbacks: dict[str, str] = {}
+        self.missing: list[str] = []
+        self.without: set[str] = set()
+
+    def advice(self) -> str:
+        """What to do about what is missing."""
+        kinds = [kind for kind in ("wind", "ocean", "weather") if kind in self.without]
+        keys = ", ".join(f"forcing.fallback.{kind}" for kind in kinds)
+        return f". Add files to forcing.files, or name what stands in for it in {keys}"
+
+    def find(self, name: str) -> Track | None:
+        """The first file's variable of a scalar's name."""
+        quantity = names.QUANTITIES[name]
+        for number, file in enumerate(self.files):
+            variable = names.find_scalar(file.variables, name, file.path)
+            if variable is not None:
+                summed = names.scalar_conversion(variable, quantity, file.path)[2]
+                return Track(self.files[number:], variable.name, summed, quantity.ocean, self.clock)
+        return None
+
+    def scalar(self, name: str) -> None:
+        found = self.find(name)
+        if found is not None:
+            self.tracks[name] = found
+            return
+        said = f"no {name}: no standard_name {names.QUANTITIES[name].standard[0]}"
+        if name in SUBSTITUTES:
+            first, second = SUBSTITUTES[name]
+            pair = self.find(first), self.find(second)
+            if pair[0] is not None and (pair[1] is not None or second in DEFAULTS):
+                self.tracks[first] = pair[0]
+                if pair[1] is not None:
+                    self.tracks[second] = pair[1]
+                else:
+                    self.fallbacks[second] = "weather"
+                return
+            said = (
+                f"no {name}: neither standard_name {names.QUANTITIES[name].standard[0]} nor "
+                f"{names.QUANTITIES[first].standard[0]} with {second.replace('_', ' ')}"
+            )
+        self._fall_back(name, "weather", "weather" if name in DEFAULTS else "", said)
+
+    def _fall_back(self, name: str, kind: str, default: str, said: str) -> None:
+        named = getattr(self.scene.forcing.fallback, kind) or default
+        if named:
+            self.fallbacks[name] = named
+        else:
+            self.missing.append(said)
+            self.without.add(kind)
+
+    def vector(self, name: str) -> None:
+        fault: FloeError | None = None
+        for number, file in enumerate(self.files):
+            try:
+                found = names.find_vector(file.variables, name, file.path)
+            except FloeError as error:
+                fault = fault or error
+                continue
+            if found is not None:
+                files = [self.files[number:]] * 2
+                self._take(name, found, files)
+                return
+        if self._apart(name):
+            return
+        if fault is not None:
+            raise fault
+        u, v = names.VECTORS[name].east_north[0]
+        self._fall_back(name, name, "", f"no {name}: no standard_names {u} and {v}")
+
+    def _apart(self, name: str) -> bool:
+        """Components in files of their own, as NEMO and JRA55-do have them."""
+        both = {
+            item: file.variables[item]
+            for file in reversed(self.files)
+            for item in file.variables
+            if len(file.variables[item].dims) >= 2
+        }
+        if len(self.files) == 1:
+            return False
+
+        def on_lonlat(variable: cf.Variable) -> bool:
+            owner = next(file for file in self.files if variable.name in file.variables)
+            return owner.layout(owner.variables[variable.name]).lonlat
+
+        found = names.find_vector(both, name, label(self.files), on_lonlat)
+        if found is None:
+            return False
+        files = []
+        for part in (found.u, found.v):
+            number = next(k for k, file in enumerate(self.files) if part.name in file.variables)
+            files.append(self.files[number:])
+        self._take(name, found, files)
+        return True
+
+    def _take(self, name: str, found: names.FoundVector, files: list[list[InputFile]]) -> None:
+        pair = []
+        for part, rest in zip((found.u, found.v), files, strict=True):
+            names.conversion(rest[0].variables[part.name], names.VECTOR_UNITS, rest[0].path)
+            pair.append(Track(rest, part.name, False, names.VECTORS[name].ocean, self.clock))
+        self.tracks[name] = (pair[0], pair[1])
+        self.east_north[name] = found.east_north
