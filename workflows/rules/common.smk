@@ -87,7 +87,8 @@ def state_before(wildcards):
 def start_of_run(wildcards):
     """State 0, where the chunk is the first."""
     state = state_before(wildcards)
-    return [state] if state.endswith("/0000.nc") else []
+    first = SCENES.run(wildcards.scene).before(wildcards.chunk) == "0000"
+    return [state] if first else []
 
 
 def of_chunks(pattern):
