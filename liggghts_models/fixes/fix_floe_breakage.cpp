@@ -58,6 +58,11 @@ FixFloeBreakage::FixFloeBreakage(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
 FixFloeBreakage::~FixFloeBreakage() {
   if (file_) std::fclose(file_);
   memory->destroy(array_local);
+}
+
+// At the end of the program the pair style is gone before the fixes are.
+void FixFloeBreakage::pre_delete(bool unfixed) {
+  if (!unfixed) return;
   if (floe::PairFloe *pairs = floe::find_parts(lmp).floe) pairs->log_breakages = false;
 }
 

@@ -19,6 +19,7 @@ class FixFloeBreakage : public Fix {
  public:
   FixFloeBreakage(class LAMMPS *, int, char **);
   ~FixFloeBreakage() override;
+  void pre_delete(bool) override;
   int setmask() override;
   void init() override;
   void setup(int) override;
