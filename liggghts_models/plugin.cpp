@@ -75,7 +75,7 @@ struct ForceClear {
 template struct Expose<ForceClear, &Integrate::external_force_clear>;
 
 LIGGGHTS::PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *pair,
-                                                 std::int64_t hash) {
+                                                      std::int64_t hash) {
   return new PairFloe(lmp, pair, hash);
 }
 

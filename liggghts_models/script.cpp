@@ -29,7 +29,8 @@ namespace {
 
 // On the screen, in the log and on standard error.
 void print(FILE *screen, FILE *logfile, const std::string &text, const char *file, int line) {
-  const bool seen = screen == stdout && isatty(STDOUT_FILENO);
+  // Under mpirun the standard output looks like a terminal and may still go to a file.
+  const bool seen = screen == stdout && isatty(STDOUT_FILENO) && isatty(STDERR_FILENO);
   for (FILE *out : {screen, logfile, seen ? nullptr : stderr}) {
     if (out) std::fprintf(out, "%s (%s:%d)\n", text.c_str(), file, line);
   }

@@ -52,8 +52,8 @@ bool PairFloe::gather_bodies() {
   const double *const *turn = fix_->turn;
   const double *radius = atom->radius;
   for (int i = current ? own : 0; i < all; ++i) {
-    bodies[i] = {x[i][0],     x[i][1],     v[i][0],     v[i][1],
-                 omega[i][2], turn[i][0],  turn[i][1],  radius[i]};
+    bodies[i] = {x[i][0],     x[i][1],    v[i][0],    v[i][1],
+                 omega[i][2], turn[i][0], turn[i][1], radius[i]};
   }
   return current;
 }

@@ -39,6 +39,7 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
  public:
   PairFloe(LAMMPS_NS::LAMMPS *lmp, LAMMPS_NS::PairGran *pair, std::int64_t hash)
       : Pointers(lmp), pair_(pair), hash_(hash) {}
+  ~PairFloe() override;
 
   void settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *setup) override;
   void init_granular() override;
@@ -134,12 +135,12 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   BondRecords bonded_;
   ContactRecords contacts_;
   std::vector<int> odd_;
-  bool advance_ = false;  // the step that is evaluated changes the history
-  bool stale_ = true;     // the records: LIGGGHTS' history holds
-  int listed_ = -1;       // elements of this rank when the lists were last used; -1: not valid
+  bool advance_ = false;    // the step that is evaluated changes the history
+  bool stale_ = true;       // the records: LIGGGHTS' history holds
+  int listed_ = -1;         // elements of this rank when the lists were last used; -1: not valid
   int page_ = 0, one_ = 0;  // of neigh_modify, when history was first kept
   long long evaluations_ = 0;
-  std::string words_;     // of the command, for restart files
+  std::string words_;  // of the command, for restart files
   LAMMPS_NS::FixFloeIntegrate *fix_ = nullptr;
   std::int64_t hash_;
 };

@@ -24,10 +24,10 @@ template <bool Friction>
 ContactForce contact_now(const PairFloe &laws, const ContactConstants &constants,
                          const ContactPose &pose, double overlap, double slip, double limit) {
   ContactLoss loss;
-  return laws.ridging ? contact_force<Friction, true>(laws.contact, constants, pose, overlap, 0.0,
-                                                      slip, loss, limit)
-                      : contact_force<Friction>(laws.contact, constants, pose, overlap, 0.0, slip,
-                                                loss);
+  return laws.ridging
+             ? contact_force<Friction, true>(laws.contact, constants, pose, overlap, 0.0, slip,
+                                             loss, limit)
+             : contact_force<Friction>(laws.contact, constants, pose, overlap, 0.0, slip, loss);
 }
 
 }  // namespace
@@ -91,18 +91,14 @@ void PairFloe::each_pair(const std::function<void(const PairState &)> &visit) {
     const Body &one = bodies[i], &two = bodies[j];
     const ContactRow &row = contacts_.rows[k];
     const Vec2 d{two.x - one.x, two.y - one.y};
-    const ContactPose pose{d,
-                           std::sqrt(d.x * d.x + d.y * d.y),
-                           one.radius,
-                           two.radius,
-                           {two.u - one.u, two.v - one.v},
-                           one.spin,
+    const ContactPose pose{d,          std::sqrt(d.x * d.x + d.y * d.y), one.radius,
+                           two.radius, {two.u - one.u, two.v - one.v},   one.spin,
                            two.spin};
     double rest = row.rest;
-    const double overlap =
-        ridging ? ((one.radius + two.radius) - pose.distance) - rest : effective_overlap(pose, rest);
-    PairState out{i, j, d, {}, 0.0, 0.0, 0.0, j < atom->nlocal ? 1.0 : 0.5,
-                  contacts_.places[k].history, -1};
+    const double overlap = ridging ? ((one.radius + two.radius) - pose.distance) - rest
+                                   : effective_overlap(pose, rest);
+    PairState out{
+        i, j, d, {}, 0.0, 0.0, 0.0, j < atom->nlocal ? 1.0 : 0.5, contacts_.places[k].history, -1};
     if (overlap > 0.0) {
       const ContactConstants constants{row.stiffness, row.damping};
       const double limit = ridging ? contacts_.ridges[k].limit : 0.0;

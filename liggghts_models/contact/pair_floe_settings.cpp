@@ -23,6 +23,11 @@ using namespace LAMMPS_NS;
 
 namespace floe {
 
+PairFloe::~PairFloe() {
+  auto *fix = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
+  if (fix && fix->pairs == this) fix->pairs = nullptr;
+}
+
 int PairFloe::history_size() const {
   if (bonds) return static_cast<int>(slot::bond_size);
   return ridging ? static_cast<int>(slot::ridge_size) : static_cast<int>(slot::contact_size);
@@ -111,13 +116,16 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   }
   if (poisson >= 0.5) fail("poisson must be below 0.5");
   if (reach < 1.0) fail("reach must be at least 1");
+  // LIGGGHTS has thrown the style that was there away, with the history of all pairs.
+  const auto *fix = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
+  if (fix && fix->has_run()) {
+    fail(
+        "cannot be set between runs, which would forget bonds and histories; write_restart, and "
+        "set it after read_restart");
+  }
   contact.damping_ratio = std::sqrt(contact.shear_ratio);
   bond = bond_material(bond.young, poisson, bond.damping, bond.tensile_share, bond.tan_phi);
-  // Given once more, the command changes parameters; LIGGGHTS keeps the numbers of a pair.
-  if (pair_->dnum_pair() && pair_->dnum_pair() != history_size()) {
-    fail("bonds and ridging cannot be switched once the style is set");
-  }
-  for (int slot = pair_->dnum_pair(); slot < history_size(); ++slot) {
+  for (int slot = 0; slot < history_size(); ++slot) {
     setup->add_history_value("floe_" + std::to_string(slot), "0");
   }
   neighbor->register_contact_dist_factor(reach);

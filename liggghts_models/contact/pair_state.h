@@ -24,13 +24,13 @@ struct PairState {
 // (above 0 in tension), the shear stress the same all along.
 struct BondState {
   int lo, hi;
-  double whole;           // uncracked share of the line
-  double least, most;     // normal stress
+  double whole;        // uncracked share of the line
+  double least, most;  // normal stress
   double shear;
   double thickness, span;  // m
-  double length;          // of the line, m
-  double energy;          // J
-  Vec2 centre;            // of the line, m
+  double length;           // of the line, m
+  double energy;           // J
+  Vec2 centre;             // of the line, m
 };
 
 enum class BreakageMode { tension = 1, shear = 2, compression = 3 };

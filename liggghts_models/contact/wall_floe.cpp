@@ -134,11 +134,12 @@ void WallFloe::report(FixWallGran *wall, LIGGGHTS::ContactModels::SurfacesInters
     rows->add_wall_2(i, force[0], force[1], 0.0, 0.0, 0.0, f.torque_one, touch.contact_history,
                      distance * distance, normal);
   }
-  if (!wall->computeflag()) return;
+  // compute wall/gran/local asks once more, and LIGGGHTS sets these to 0 before it does.
   if (wall->store_force()) {
     for (int k = 0; k < 3; ++k) wall->fix_wallforce()->array_atom[i][k] += force[k];
   }
-  if (on.fix) on.fix->add_particle_contribution(i, force, to_wall, on.number, velocity);
+  if (on.fix && wall->computeflag())
+    on.fix->add_particle_contribution(i, force, to_wall, on.number, velocity);
 }
 
 }  // namespace floe

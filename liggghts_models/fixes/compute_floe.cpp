@@ -19,9 +19,9 @@ using namespace LAMMPS_NS;
 namespace {
 
 const std::vector<std::string> bond_words{
-    "id1",    "id2",       "x",      "y",      "whole", "normal_min", "normal_max", "shear",
-    "length", "thickness", "energy", "force_x", "force_y"};
-const std::vector<std::string> atom_words{"nbond",    "damage",   "thickness",
+    "id1",   "id2",    "x",         "y",      "whole",   "normal_min", "normal_max",
+    "shear", "length", "thickness", "energy", "force_x", "force_y"};
+const std::vector<std::string> atom_words{"nbond",    "damage",      "thickness",
                                           "ice_area", "ridged_area", "angle"};
 
 // Which words were asked for, in their order; all where none was.
@@ -151,10 +151,11 @@ void ComputeFloeAtom::compute_peratom() {
   const FixFloeIntegrate &fix = *parts.fix;
   for (int i = 0; i < count; ++i) {
     const double made = fix.bonds_made[i];
-    const double area = fix.ice_area[i] < 0.0 ? M_PI * atom->radius[i] * atom->radius[i]
-                                              : fix.ice_area[i];
-    const double row[] = {bonds[i], made > 0.0 ? 1.0 - whole[i] / made : 0.0, fix.thickness[i],
-                          area,     fix.ridged_area[i],                      fix.theta[i]};
+    const double area =
+        fix.ice_area[i] < 0.0 ? M_PI * atom->radius[i] * atom->radius[i] : fix.ice_area[i];
+    const double row[] = {bonds[i],           made > 0.0 ? 1.0 - whole[i] / made : 0.0,
+                          fix.thickness[i],   area,
+                          fix.ridged_area[i], fix.theta[i]};
     const bool in = atom->mask[i] & groupbit;
     double *to = size_peratom_cols ? array_atom[i] : vector_atom + i;
     for (std::size_t k = 0; k < columns_.size(); ++k) to[k] = in ? row[columns_[k]] : 0.0;

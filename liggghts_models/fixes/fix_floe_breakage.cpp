@@ -31,8 +31,9 @@ FixFloeBreakage::FixFloeBreakage(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
   nevery = narg > 3 ? std::atoi(arg[3]) : 0;
   const bool named = narg == 6 && !std::strcmp(arg[4], "file");
   if (nevery < 1 || (narg != 4 && !named)) {
-    error->all(FLERR, "Fix floe/breakage: give the number of steps between outputs, and perhaps "
-                      "the word file with a name");
+    error->all(FLERR,
+               "Fix floe/breakage: give the number of steps between outputs, and perhaps "
+               "the word file with a name");
   }
   if (igroup != 0) error->all(FLERR, "Fix floe/breakage logs all bonds: give it the group all");
   if (named) path_ = arg[5];

@@ -170,7 +170,8 @@ void FixFloeIntegrate::init() {
 // fix moves them.
 void FixFloeIntegrate::warn_of_others() {
   if (modify->find_fix_style("floe/integrate", 1)) {
-    error->all(FLERR, "There may be only one fix floe/integrate: it holds thickness and orientation");
+    error->all(FLERR,
+               "There may be only one fix floe/integrate: it holds thickness and orientation");
   }
   int moved = 0;
   for (int k = 0; k < modify->nfix; ++k) {
@@ -194,6 +195,7 @@ void FixFloeIntegrate::pre_exchange() {
 
 // Between runs commands may read and change LIGGGHTS' history, or take elements away.
 void FixFloeIntegrate::post_run() {
+  has_run_ = has_run_ || pairs;
   if (pairs) pairs->keep_history();
 }
 

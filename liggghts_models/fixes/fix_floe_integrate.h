@@ -55,6 +55,7 @@ class FixFloeIntegrate : public Fix {
   double compute_vector(int) override;
   double memory_usage() override;
 
+  bool has_run() const { return has_run_; }
   void set_orientation(int i, double angle);
   // Hands the orientations of this rank's elements to their ghosts, on all ranks.
   void send_orientations();
@@ -104,7 +105,8 @@ class FixFloeIntegrate : public Fix {
   void note_fault(int i, int kind, int partner, double speed);
   void freeze(int i, int kind, double speed);
   void warn_of_others();
-  bool ask_fused;      // by keyword
+  bool ask_fused;  // by keyword
+  bool has_run_ = false;
   bool first_kick;     // no step was made since the elements were set
   bool stop_at_fault;  // end the run; else keep the element where it is and let the driver ask
   double default_thickness, default_ice_area;
