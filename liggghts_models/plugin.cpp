@@ -13,7 +13,9 @@
 #include "force.h"
 
 #include "bond_command.h"
+#include "compute_floe.h"
 #include "contact_models.h"
+#include "fix_floe_breakage.h"
 #include "fix_floe_integrate.h"
 #include "fix_floe_walls.h"
 #include "granular_pair_style.h"
@@ -46,6 +48,13 @@ struct FixMap {
 };
 template struct Expose<FixMap, &Modify::fix_map>;
 
+using ComputeCreator = Compute *(*)(LAMMPS *, int, int, char **);
+struct ComputeMap {
+  using type = std::map<std::string, ComputeCreator> *Modify::*;
+  friend type get(ComputeMap);
+};
+template struct Expose<ComputeMap, &Modify::compute_map>;
+
 using Command = void (*)(LAMMPS *, int, char **);
 struct CommandMap {
   using type = std::map<std::string, Command> *Input::*;
@@ -65,8 +74,9 @@ struct ForceClear {
 };
 template struct Expose<ForceClear, &Integrate::external_force_clear>;
 
-LIGGGHTS::PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *, std::int64_t hash) {
-  return new PairFloe(lmp, hash);
+LIGGGHTS::PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *pair,
+                                                      std::int64_t hash) {
+  return new PairFloe(lmp, pair, hash);
 }
 
 LIGGGHTS::Walls::IGranularWall *create_wall(LAMMPS *lmp, FixWallGran *, std::int64_t) {
@@ -75,9 +85,15 @@ LIGGGHTS::Walls::IGranularWall *create_wall(LAMMPS *lmp, FixWallGran *, std::int
 
 void bond_command(LAMMPS *lmp, int narg, char **arg) { BondCommand(lmp).command(narg, arg); }
 
-Fix *create_fix(LAMMPS *lmp, int narg, char **arg) { return new FixFloeIntegrate(lmp, narg, arg); }
+template <typename Made>
+Fix *create_fix(LAMMPS *lmp, int narg, char **arg) {
+  return new Made(lmp, narg, arg);
+}
 
-Fix *create_walls(LAMMPS *lmp, int narg, char **arg) { return new FixFloeWalls(lmp, narg, arg); }
+template <typename Made>
+Compute *create_compute(LAMMPS *lmp, int iarg, int narg, char **arg) {
+  return new Made(lmp, iarg, narg, arg);
+}
 
 void register_pair() {
   auto &models = LIGGGHTS::ContactModels::Factory::instance();
@@ -92,8 +108,13 @@ void register_pair() {
 
 void register_models(LAMMPS *lmp) {
   register_pair();
-  (*(lmp->modify->*get(FixMap())))["floe/integrate"] = create_fix;
-  (*(lmp->modify->*get(FixMap())))["floe/walls"] = create_walls;
+  auto &fixes = *(lmp->modify->*get(FixMap()));
+  fixes["floe/integrate"] = create_fix<FixFloeIntegrate>;
+  fixes["floe/breakage"] = create_fix<FixFloeBreakage>;
+  fixes["floe/walls"] = create_fix<FixFloeWalls>;
+  auto &computes = *(lmp->modify->*get(ComputeMap()));
+  computes["floe/atom"] = create_compute<ComputeFloeAtom>;
+  computes["floe/bond/local"] = create_compute<ComputeFloeBondLocal>;
   (*(lmp->input->*get(CommandMap())))["floe_bonds"] = bond_command;
 }
 

@@ -86,7 +86,7 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
     const floe::Parts parts = floe::find_parts(lmp);
     const auto bond_row = rows(bonds, bond_ids), contact_row = rows(contacts, contact_ids);
     const int size = parts.pair->dnum();
-    parts.floe->bonds_changed();
+    parts.floe->forget_records();
     each_pair(lmp, [&](const Place &p) {
       const std::uint64_t pair_key = key(lmp->atom->tag[p.i], lmp->atom->tag[p.j]);
       *p.flag = 0;
@@ -107,6 +107,7 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
         std::copy(row + 2, row + contact_columns, p.history + slot::ridge_closing);
       }
     });
+    parts.floe->history_changed();
   });
 }
 

@@ -7,17 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "atom.h"
 #include "capi.h"
 #include "error.h"
 #include "fix_floe_integrate.h"
-#include "fix_floe_walls.h"
 #include "input.h"
 #include "lammps.h"
 #include "liggghts_error.h"
-#include "pair_floe.h"
 #include "plugin.h"
-#include "update.h"
+#include "sums.h"
 
 using namespace LAMMPS_NS;
 
@@ -33,34 +30,6 @@ std::string &last_error() {
 namespace {
 
 LAMMPS *lmp_of(void *instance) { return static_cast<LAMMPS *>(instance); }
-
-// Velocities belong to half a step before the positions. kinetic and rotational take them as they
-// are, kinetic_now and rotational_now at the time of the positions, half a step of contact force on.
-struct KineticSums {
-  double kinetic = 0.0, rotational = 0.0, kinetic_now = 0.0, rotational_now = 0.0;
-  double momentum_x = 0.0, momentum_y = 0.0, elements = 0.0;
-};
-
-KineticSums kinetic_sums(LAMMPS *lmp) {
-  KineticSums out;
-  const Atom *atom = lmp->atom;
-  for (int i = 0; i < atom->nlocal; ++i) {
-    out.elements += 1.0;
-    if (atom->type[i] == FixFloeIntegrate::fixed_type) continue;
-    const double m = atom->rmass[i], r = atom->radius[i], w = atom->omega[i][2];
-    const double u = atom->v[i][0], v = atom->v[i][1];
-    out.kinetic += 0.5 * m * (u * u + v * v);
-    out.rotational += 0.25 * m * r * r * w * w;
-    const double half = 0.5 * lmp->update->dt / m;
-    const double nu = u + half * atom->f[i][0], nv = v + half * atom->f[i][1];
-    const double nw = w + half * atom->torque[i][2] / (0.5 * r * r);
-    out.kinetic_now += 0.5 * m * (nu * nu + nv * nv);
-    out.rotational_now += 0.25 * m * r * r * nw * nw;
-    out.momentum_x += m * u;
-    out.momentum_y += m * v;
-  }
-  return out;
-}
 
 }  // namespace
 
@@ -105,38 +74,17 @@ int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, c
 }
 
 const char *floe_sum_names(void) {
-  static const std::string names =
-      std::string(floe::ledger_names()) +
-      " elastic_bond elastic_contact bonds contacts max_overlap"
-      " kinetic rotational kinetic_now rotational_now momentum_x momentum_y elements"
-      " elastic_wall work_wall wall_contacts";
+  static const std::string names = [] {
+    std::string out;
+    for (const std::string &name : floe::sum_names()) out += (out.empty() ? "" : " ") + name;
+    return out;
+  }();
   return names.c_str();
 }
 
 int floe_sums(void *instance, double *out, int size) {
   return floe::guarded([&] {
-    const floe::Parts parts = floe::find_parts(lmp_of(instance));
-    if (parts.fix->fused) parts.fix->write_forces();
-    floe::PairSums pairs = parts.floe->sums(parts.pair);
-    const floe::DampingWork damping = parts.fix->damping_to_now();
-    floe::Ledger ledger = parts.fix->ledger;
-    ledger.dissipation_bond += damping.bond;
-    ledger.dissipation_contact += damping.contact;
-    const KineticSums moving = kinetic_sums(lmp_of(instance));
-    FixFloeWalls::Sums walls;
-    if (parts.walls) walls = parts.walls->sums(pairs.max_overlap);
-    // Four structures of doubles and nothing else, in the order of the names.
-    std::vector<double> all;
-    const auto append = [&all](const auto &part) {
-      static_assert(sizeof(part) % sizeof(double) == 0, "sums are doubles");
-      const std::size_t start = all.size();
-      all.resize(start + sizeof(part) / sizeof(double));
-      std::memcpy(all.data() + start, &part, sizeof(part));
-    };
-    append(ledger);
-    append(pairs);
-    append(moving);
-    append(walls);
+    const std::vector<double> all = floe::local_sums(lmp_of(instance));
     if (static_cast<int>(all.size()) != size) throw floe::LiggghtsError("floe_sums: wrong size");
     std::memcpy(out, all.data(), all.size() * sizeof(double));
   });

@@ -41,18 +41,25 @@ void choose_damping(double ratio, bool exact, Call call) {
 
 }  // namespace
 
-void PairFloe::gather() {
+// Whether the integrator wrote the bodies of this rank's own elements.
+bool PairFloe::gather_bodies() {
+  if (fix_->use_orientation) fix_->send_orientations();
   const int own = atom->nlocal, all = own + atom->nghost;
   std::vector<Body> &bodies = fix_->bodies;
   const bool current = fix_->fused && static_cast<int>(bodies.size()) >= own && !stale_;
   bodies.resize(all);
   const double *const *x = atom->x, *const *v = atom->v, *const *omega = atom->omega;
+  const double *const *turn = fix_->turn;
   const double *radius = atom->radius;
-  // The integrator wrote those of this rank's own elements.
   for (int i = current ? own : 0; i < all; ++i) {
-    bodies[i] = {x[i][0],     x[i][1],     v[i][0],     v[i][1],
-                 omega[i][2], omega[i][0], omega[i][1], radius[i]};
+    bodies[i] = {x[i][0],     x[i][1],    v[i][0],    v[i][1],
+                 omega[i][2], turn[i][0], turn[i][1], radius[i]};
   }
+  return current;
+}
+
+void PairFloe::clear_loads(bool current) {
+  const int own = atom->nlocal, all = own + atom->nghost;
   std::vector<Load> &loads = fix_->loads;
   if (current && fix_->loads_cleared && !deterministic) {
     loads.resize(all);
@@ -154,11 +161,23 @@ void PairFloe::fold_exact_sums() {
   }
 }
 
-void PairFloe::compute_force(PairGran *pg, int, int, int) {
-  pg->evflag = pg->vflag_fdotr = 0;  // energies and stresses are reported by sums() and the ledger
+void PairFloe::make_current() {
+  if (!stale_) return;
+  gather_bodies();
+  read_history();
+}
+
+void PairFloe::compute_force(PairGran *pg, int eflag, int vflag, int addflag) {
   pair_ = pg;
+  if (addflag) return list_pairs(pg);  // compute pair/gran/local asks, between two evaluations
+  if (eflag || vflag)
+    pg->ev_setup(eflag, vflag);
+  else
+    pg->evflag = pg->vflag_fdotr = 0;
+  listed_ = atom->nlocal;
+  ++evaluations_;
   advance_ = pg->shearupdate() != 0;
-  gather();
+  clear_loads(gather_bodies());
   if (stale_) read_history();
   if (deterministic) {
     evaluate_exactly_or_not<true>();
@@ -170,6 +189,7 @@ void PairFloe::compute_force(PairGran *pg, int, int, int) {
   if (ridging) {
     for (int i = 0; i < atom->nlocal; ++i) fix_->ridged_area[i] += fix_->loads[i].ridged;
   }
+  if (pg->evflag) tally(pg);
 }
 
 }  // namespace floe

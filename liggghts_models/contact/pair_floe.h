@@ -7,6 +7,7 @@
 #define FLOE_CONTACT_PAIR_FLOE_H
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "contact.h"
 #include "granular_pair_style.h"
 #include "losses.h"
+#include "pair_state.h"
 #include "pointers.h"
 #include "records.h"
 #include "ridge.h"
@@ -35,7 +37,9 @@ struct PairSums {
 
 class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS_NS::Pointers {
  public:
-  PairFloe(LAMMPS_NS::LAMMPS *lmp, std::int64_t hash) : Pointers(lmp), hash_(hash) {}
+  PairFloe(LAMMPS_NS::LAMMPS *lmp, LAMMPS_NS::PairGran *pair, std::int64_t hash)
+      : Pointers(lmp), pair_(pair), hash_(hash) {}
+  ~PairFloe() override;
 
   void settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *setup) override;
   void init_granular() override;
@@ -65,10 +69,24 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   double share_of(int i, int j) const;
   int lower(int i, int j) const;  // that of two elements which has the lower id
   double reduced_mass(int i, int j) const;
-  // The history of LIGGGHTS' lists was changed by others than this class: it holds from now on.
-  void bonds_changed() { stale_ = true; }
+  // The records are no longer valid: LIGGGHTS' history holds from now on.
+  void forget_records() { stale_ = true; }
+  // The same after others than this class changed the history in LIGGGHTS' lists.
+  void history_changed();
   // Writes what the steps changed into that history, for others to read.
   void write_history();
+  // The same, and from the lists to the elements, which take it along when the lists are gone.
+  void keep_history();
+  // Whether the lists of neighbours belong to the elements as they are.
+  bool lists_hold() const;
+  // Changes when forces or history did.
+  long long evaluations() const { return evaluations_; }
+
+  // All pairs with a force or a history, as the last evaluation left them.
+  void each_pair(const std::function<void(const PairState &)> &visit);
+  BondState bond_state(int number);
+  bool log_breakages = false;
+  std::vector<Breakage> breakages;  // of this rank, since they were last taken away
   // The same before LIGGGHTS makes new lists; what this class keeps is no longer valid then.
   void lists_change();
 
@@ -82,7 +100,16 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   RidgeMaterial ridge{};
 
  private:
-  void gather();
+  bool gather_bodies();
+  void clear_loads(bool current);
+  void make_current();
+  BondShape shape_of(int number);
+  BondConstants constants_at(int number);
+  BondPose pose_of(int number);
+  void tally(LAMMPS_NS::PairGran *);
+  void list_pairs(LAMMPS_NS::PairGran *);
+  void note_breakage(int number, const BondShape &before, const BondLine &line, double energy);
+  void copy_to_elements();
   void read_history();
   BondConstants constants_of(const BondShape &, int i, int j) const;
   void start_contact(int number);
@@ -104,12 +131,16 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   };
   Taken take_over(int number, double overlap, double force, double energy);
 
-  LAMMPS_NS::PairGran *pair_ = nullptr;
+  LAMMPS_NS::PairGran *pair_;
   BondRecords bonded_;
   ContactRecords contacts_;
   std::vector<int> odd_;
-  bool advance_ = false;  // the step that is evaluated changes the history
-  bool stale_ = true;     // the records: LIGGGHTS' history holds
+  bool advance_ = false;    // the step that is evaluated changes the history
+  bool stale_ = true;       // the records: LIGGGHTS' history holds
+  int listed_ = -1;         // elements of this rank when the lists were last used; -1: not valid
+  int page_ = 0, one_ = 0;  // of neigh_modify, when history was first kept
+  long long evaluations_ = 0;
+  std::string words_;  // of the command, for restart files
   LAMMPS_NS::FixFloeIntegrate *fix_ = nullptr;
   std::int64_t hash_;
 };

@@ -103,6 +103,7 @@ void PairFloe::bond_alone(int number, Losses &lost) {
       double kept = bond_energy(bond, constants, shape, line), power_kept = elastic_power();
       if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;
       if (counted && shape.broken()) lost.broken += 1.0;
+      if (counted && shape.broken() && log_breakages) note_breakage(number, before, line, energy);
       bonded_.at(B::crack_a, number) = shape.crack_a;
       bonded_.at(B::crack_b, number) = shape.crack_b;
       if (shape.broken()) {

@@ -93,13 +93,29 @@ void PairFloe::write_history() {
   }
 }
 
-// LIGGGHTS copies the history of the old lists before any other fix is asked: once more, now that it
-// is up to date.
 void PairFloe::lists_change() {
+  keep_history();
+  stale_ = true;
+}
+
+void PairFloe::keep_history() {
   if (stale_) return;
   write_history();
+  copy_to_elements();
+}
+
+void PairFloe::history_changed() {
   stale_ = true;
+  ++evaluations_;
+  copy_to_elements();
+}
+
+void PairFloe::copy_to_elements() {
   modify->find_fix_style_strict("contacthistory", 0)->pre_exchange();
+}
+
+bool PairFloe::lists_hold() const {
+  return listed_ == atom->nlocal && pair_ && pair_->list && pair_->list->inum == listed_;
 }
 
 }  // namespace floe

@@ -2,8 +2,11 @@
 //
 // Set-up of pair_style gran model floe: keywords, history, checks.
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "comm.h"
 #include "error.h"
@@ -14,10 +17,16 @@
 #include "neighbor.h"
 #include "number.h"
 #include "pair_floe.h"
+#include "pair_gran.h"
 
 using namespace LAMMPS_NS;
 
 namespace floe {
+
+PairFloe::~PairFloe() {
+  auto *fix = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
+  if (fix && fix->pairs == this) fix->pairs = nullptr;
+}
 
 int PairFloe::history_size() const {
   if (bonds) return static_cast<int>(slot::bond_size);
@@ -44,6 +53,8 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
     if (std::strcmp(arg[k], "no")) fail(key + " takes yes or no");
     return false;
   };
+  words_.clear();
+  for (int n = 0; n < narg; ++n) words_ += std::string(n ? " " : "") + arg[n];
   double poisson = 0.3;
   bond.young = 1.0e9;
   bond.tensile_share = 0.1;
@@ -105,6 +116,13 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   }
   if (poisson >= 0.5) fail("poisson must be below 0.5");
   if (reach < 1.0) fail("reach must be at least 1");
+  // LIGGGHTS has thrown the style that was there away, with the history of all pairs.
+  const auto *fix = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
+  if (fix && fix->has_run()) {
+    fail(
+        "cannot be set between runs, which would forget bonds and histories; write_restart, and "
+        "set it after read_restart");
+  }
   contact.damping_ratio = std::sqrt(contact.shear_ratio);
   bond = bond_material(bond.young, poisson, bond.damping, bond.tensile_share, bond.tan_phi);
   for (int slot = 0; slot < history_size(); ++slot) {
@@ -118,6 +136,13 @@ void PairFloe::init_granular() {
   if (!fix_) error->all(FLERR, "pair_style gran model floe needs fix floe/integrate");
   fix_->use_orientation = bonds;
   fix_->pairs = this;
+  if (page_ && (page_ != neighbor->pgsize || one_ != neighbor->oneatom)) {
+    error->all(FLERR,
+               "pair_style gran model floe: neigh_modify page and one may only be set before the "
+               "first run: LIGGGHTS forgets the pairs when they change");
+  }
+  page_ = neighbor->pgsize;
+  one_ = neighbor->oneatom;
   if (neighbor->contactDistanceFactor > reach) reach = neighbor->contactDistanceFactor;
 }
 
@@ -128,14 +153,37 @@ int PairFloe::get_history_offset(const std::string name) {
   return -1;
 }
 
-void PairFloe::write_restart_settings(FILE *) {
-  error->all(FLERR,
-             "pair_style gran model floe: write_restart is not supported, use the state file");
+// The words of the command, behind the number of the model, which LIGGGHTS has read ahead.
+void PairFloe::write_restart_settings(FILE *file) {
+  const int size = static_cast<int>(words_.size());
+  std::fwrite(&hash_, sizeof hash_, 1, file);
+  std::fwrite(&size, sizeof size, 1, file);
+  std::fwrite(words_.data(), 1, words_.size(), file);
 }
 
-void PairFloe::read_restart_settings(FILE *, std::int64_t) {
-  error->all(FLERR,
-             "pair_style gran model floe: read_restart is not supported, use the state file");
+void PairFloe::read_restart_settings(FILE *file, std::int64_t) {
+  int size = -1;
+  std::string words;
+  if (comm->me == 0) {
+    std::int64_t hash;
+    bool whole = std::fread(&hash, sizeof hash, 1, file) == 1 &&
+                 std::fread(&size, sizeof size, 1, file) == 1 && size >= 0 && size < 100000;
+    if (whole) {
+      words.resize(size);
+      whole = std::fread(&words[0], 1, size, file) == static_cast<std::size_t>(size);
+    }
+    if (!whole) size = -1;
+  }
+  MPI_Bcast(&size, 1, MPI_INT, 0, world);
+  if (size < 0) error->all(FLERR, "pair_style gran model floe: the restart file is cut or damaged");
+  words.resize(size);
+  MPI_Bcast(&words[0], size, MPI_CHAR, 0, world);
+  std::istringstream in(words);
+  std::vector<std::string> parts;
+  for (std::string part; in >> part;) parts.push_back(part);
+  std::vector<char *> arg;
+  for (std::string &part : parts) arg.push_back(&part[0]);
+  settings(static_cast<int>(arg.size()), arg.data(), pair_);
 }
 
 }  // namespace floe

@@ -23,8 +23,9 @@ double PairFloe::share_of(int i, int j) const {
 
 PairSums PairFloe::sums(PairGran *pg) {
   PairSums out;
+  if (!lists_hold()) return out;
   write_history();
-  double **x = atom->x, **omega = atom->omega;
+  double **x = atom->x, **turn = fix_->turn;
   const NeighList *list = pg->list, *past = pg->listgranhistory;
   const int size = pg->dnum();
   for (int ii = 0; ii < list->inum; ++ii) {
@@ -38,7 +39,7 @@ PairSums PairFloe::sums(PairGran *pg) {
       const Vec2 d{x[hi][0] - x[lo][0], x[hi][1] - x[lo][1]};
       if (bonds && h[slot::span] != 0.0) {
         const BondPose pose{
-            d, {omega[lo][0], omega[lo][1]}, {omega[hi][0], omega[hi][1]}, {0.0, 0.0}, 0.0, 0.0};
+            d, {turn[lo][0], turn[lo][1]}, {turn[hi][0], turn[hi][1]}, {0.0, 0.0}, 0.0, 0.0};
         const BondShape shape = bond_shape(h);
         out.elastic_bond +=
             weight * bond_energy(bond, constants_of(shape, lo, hi), shape, bond_line(shape, pose));

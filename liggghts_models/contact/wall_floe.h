@@ -8,6 +8,7 @@
 
 #include <string>
 
+#include "contact.h"
 #include "granular_wall.h"
 #include "pointers.h"
 
@@ -36,6 +37,17 @@ class WallFloe : public LIGGGHTS::Walls::IGranularWall, private LAMMPS_NS::Point
   }
 
  private:
+  struct Triangle {
+    LAMMPS_NS::FixMeshSurface *fix;  // null for a plane
+    int mesh_number;
+    LAMMPS_NS::TriMesh *mesh;
+    int number;
+  };
+  ContactForce force_on(LIGGGHTS::ContactModels::SurfacesIntersectData &touch,
+                        const double *velocity, bool advance) const;
+  void report(LAMMPS_NS::FixWallGran *wall, LIGGGHTS::ContactModels::SurfacesIntersectData &touch,
+              double *velocity, const ContactForce &f, const Triangle &on) const;
+
   const PairFloe *laws_ = nullptr;
   LAMMPS_NS::FixFloeIntegrate *fix_ = nullptr;
 };

@@ -56,12 +56,16 @@ void BondCommand::command(int narg, char **arg) {
   if (!parts.floe || !parts.floe->bonds) {
     error->all(FLERR, "floe_bonds needs pair_style gran model floe bonds yes");
   }
-  if (!parts.pair->list || !parts.pair->list->inum) {
-    error->all(FLERR, "floe_bonds needs lists of neighbours: give `run 0` first");
+  const int holds = parts.floe->lists_hold();
+  int all_hold = 0;
+  MPI_Allreduce(&holds, &all_hold, 1, MPI_INT, MPI_MIN, world);
+  if (!all_hold) {
+    error->all(FLERR,
+               "floe_bonds needs lists of the present neighbours: give `run 0` right before it");
   }
   const NeighList *list = parts.pair->list, *past = parts.pair->listgranhistory;
   const int size = parts.pair->dnum();
-  double **x = atom->x, **omega = atom->omega;
+  double **x = atom->x, **turn = parts.fix->turn;
   double made = 0.0;
   parts.floe->write_history();
   for (int ii = 0; ii < list->inum; ++ii) {
@@ -79,19 +83,21 @@ void BondCommand::command(int narg, char **arg) {
       const floe::Vec2 n{d.x / span, d.y / span};
       const double half = width * std::min(ri, rj), arm = span * ri / (ri + rj);
       // The tangent (-n_y, n_x) runs from a to b: looking along it the lower id lies on the left.
-      put_end(h + slot::lo_ax, omega[lo][0], omega[lo][1], n, arm, -half);
-      put_end(h + slot::lo_bx, omega[lo][0], omega[lo][1], n, arm, half);
-      put_end(h + slot::hi_ax, omega[hi][0], omega[hi][1], n, arm - span, -half);
-      put_end(h + slot::hi_bx, omega[hi][0], omega[hi][1], n, arm - span, half);
+      put_end(h + slot::lo_ax, turn[lo][0], turn[lo][1], n, arm, -half);
+      put_end(h + slot::lo_bx, turn[lo][0], turn[lo][1], n, arm, half);
+      put_end(h + slot::hi_ax, turn[hi][0], turn[hi][1], n, arm - span, -half);
+      put_end(h + slot::hi_bx, turn[hi][0], turn[hi][1], n, arm - span, half);
       h[slot::span] = span;
       h[slot::bond_thickness] = thickness;
       if (span > parts.floe->reach * (ri + rj)) {
         error->one(FLERR, "floe_bonds: a bond is longer than the pair style's reach");
       }
+      parts.fix->bonds_made[i] += 1.0;
+      if (j < atom->nlocal) parts.fix->bonds_made[j] += 1.0;
       made += j < atom->nlocal ? 1.0 : 0.5;
     }
   }
-  parts.floe->bonds_changed();
+  parts.floe->history_changed();
   double total;
   MPI_Allreduce(&made, &total, 1, MPI_DOUBLE, MPI_SUM, world);
   const std::string text = "floe_bonds: " + std::to_string(std::llround(total)) + " bonds\n";

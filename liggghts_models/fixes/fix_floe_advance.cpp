@@ -97,10 +97,10 @@ void FixFloeIntegrate::advance() {
     if (fused) std::fill(loads.begin() + first, loads.begin() + last, floe::Load{});
     // Of all elements: for those that did not turn it changes nothing.
     if (!use_orientation) continue;
-    floe::write_turns(theta + first, last - first, atom->omega[first]);
+    floe::write_turns(theta + first, last - first, turn[first]);
     for (int i = first; i < last && fused; ++i) {
-      bodies[i].cos = atom->omega[i][0];
-      bodies[i].sin = atom->omega[i][1];
+      bodies[i].cos = turn[i][0];
+      bodies[i].sin = turn[i][1];
     }
   }
   ledger = sum;
@@ -122,7 +122,10 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
   const bool exact = !damped_contact.empty();
 
   for (int i = first; i < last; ++i) {
-    if (!(mask[i] & groupbit)) continue;
+    if (!(mask[i] & groupbit)) {
+      theta[i] += step * omega[i][2];  // whoever moves it, its bonds turn with it
+      continue;
+    }
     const Vec2 contact = Fused ? Vec2{load[i].fx, load[i].fy} : Vec2{f[i][0], f[i][1]};
     const double torque = Fused ? load[i].torque : torques[i][2];
     if (type[i] == fixed_type) {

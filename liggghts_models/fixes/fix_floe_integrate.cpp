@@ -8,6 +8,7 @@
 #include <string>
 
 #include "atom.h"
+#include "comm.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
@@ -18,10 +19,17 @@
 #include "output.h"
 #include "pair_floe.h"
 #include "plugin.h"
+#include "sums.h"
 #include "turn.h"
 #include "update.h"
 
 using namespace LAMMPS_NS;
+
+namespace {
+
+constexpr int own_numbers = 5;  // that an element takes along to another rank or to a file
+
+}  // namespace
 
 FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
@@ -29,12 +37,15 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
       ice_area(nullptr),
       theta(nullptr),
       ridged_area(nullptr),
+      bonds_made(nullptr),
+      turn(nullptr),
       loads_cleared(false),
       pairs(nullptr),
       fused(false),
       use_orientation(true),
       law{},
       start_time(0.0),
+      ask_fused(false),
       first_kick(true),
       stop_at_fault(true),
       default_thickness(1.0),
@@ -43,6 +54,12 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
   time_integrate = 1;
   create_attribute = 1;
   comm_border = 1;
+  comm_forward = 2;
+  restart_global = restart_peratom = 1;
+  vector_flag = 1;
+  size_vector = floe::sum_count();
+  global_freq = 1;
+  extvector = 1;
   law.cos_turn = 1.0;
   law.air = 1.225 * 0.0015;
   law.water = 1026.0 * 0.0055;
@@ -52,17 +69,21 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
   parse(narg, arg);
   grow_arrays(atom->nmax);
   atom->add_callback(0);
+  atom->add_callback(1);
   atom->add_callback(2);
   for (int i = 0; i < atom->nlocal; ++i) set_arrays(i);
 }
 
 FixFloeIntegrate::~FixFloeIntegrate() {
   atom->delete_callback(id, 0);
+  atom->delete_callback(id, 1);
   atom->delete_callback(id, 2);
   memory->destroy(thickness);
   memory->destroy(ice_area);
   memory->destroy(theta);
   memory->destroy(ridged_area);
+  memory->destroy(bonds_made);
+  memory->destroy(turn);
 }
 
 void FixFloeIntegrate::parse(int narg, char **arg) {
@@ -100,6 +121,8 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
       law.use_coriolis = flag(name);
     else if (key == "tilt")
       law.use_tilt = flag(name);
+    else if (key == "fused")
+      ask_fused = flag(name);
     else if (key == "stop_at_fault")
       stop_at_fault = flag(name);
     else if (key == "air_drag")
@@ -135,8 +158,35 @@ void FixFloeIntegrate::init() {
   const int others = modify->n_pre_initial_integrate + modify->n_post_integrate +
                      modify->n_pre_force + modify->n_post_force + modify->n_pre_final_integrate +
                      modify->n_final_integrate + modify->n_end_of_step;
-  fused = pairs && others == 0 && modify->n_initial_integrate == 1 && output->ndump == 0;
+  // LIGGGHTS itself makes three computes, for thermodynamic output.
+  fused = ask_fused && pairs && igroup == 0 && others == 0 && modify->n_initial_integrate == 1 &&
+          output->ndump == 0 && modify->ncompute <= 3;
   floe::clear_forces(lmp, !fused);
+  floe::write_turns(theta, atom->nlocal, turn ? turn[0] : nullptr);
+  warn_of_others();
+}
+
+// Elements outside of the group stay where they are, as with LIGGGHTS' own integrators, unless another
+// fix moves them.
+void FixFloeIntegrate::warn_of_others() {
+  if (modify->find_fix_style("floe/integrate", 1)) {
+    error->all(FLERR,
+               "There may be only one fix floe/integrate: it holds thickness and orientation");
+  }
+  int moved = 0;
+  for (int k = 0; k < modify->nfix; ++k) {
+    if (modify->fix[k]->time_integrate) moved |= modify->fix[k]->groupbit;
+  }
+  bigint still = 0, total = 0;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!(atom->mask[i] & moved) && atom->type[i] != fixed_type) ++still;
+  }
+  MPI_Allreduce(&still, &total, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  if (total == 0 || comm->me != 0) return;
+  const std::string text = std::to_string(total) +
+                           " elements are outside of the group of fix floe/integrate and no other "
+                           "fix moves them: they stay where they are";
+  error->warning(FLERR, text.c_str());
 }
 
 void FixFloeIntegrate::pre_exchange() {
@@ -145,16 +195,34 @@ void FixFloeIntegrate::pre_exchange() {
 
 // Between runs commands may read and change LIGGGHTS' history, or take elements away.
 void FixFloeIntegrate::post_run() {
-  if (pairs) pairs->write_history();
+  has_run_ = has_run_ || pairs;
+  if (pairs) pairs->keep_history();
 }
 
 void FixFloeIntegrate::setup_pre_exchange() {
-  if (pairs) pairs->bonds_changed();
+  if (pairs) pairs->forget_records();
 }
 
 void FixFloeIntegrate::set_orientation(int i, double angle) {
   theta[i] = angle;
-  floe::cos_sin(angle, atom->omega[i][0], atom->omega[i][1]);
+  floe::cos_sin(angle, turn[i][0], turn[i][1]);
+}
+
+void FixFloeIntegrate::send_orientations() { comm->forward_comm_fix(this); }
+
+int FixFloeIntegrate::pack_comm(int n, int *list, double *buf, int, int *) {
+  for (int k = 0; k < n; ++k) {
+    buf[2 * k] = turn[list[k]][0];
+    buf[2 * k + 1] = turn[list[k]][1];
+  }
+  return comm_forward;
+}
+
+void FixFloeIntegrate::unpack_comm(int n, int first, double *buf) {
+  for (int k = 0; k < n; ++k) {
+    turn[first + k][0] = buf[2 * k];
+    turn[first + k][1] = buf[2 * k + 1];
+  }
 }
 
 void FixFloeIntegrate::note_fault(int i, int kind, int partner, double speed) {
@@ -193,6 +261,8 @@ void FixFloeIntegrate::grow_arrays(int nmax) {
   memory->grow(ice_area, nmax, "floe/integrate:ice_area");
   memory->grow(theta, nmax, "floe/integrate:theta");
   memory->grow(ridged_area, nmax, "floe/integrate:ridged_area");
+  memory->grow(bonds_made, nmax, "floe/integrate:bonds_made");
+  memory->grow(turn, nmax, 2, "floe/integrate:turn");
 }
 
 void FixFloeIntegrate::copy_arrays(int i, int j, int) {
@@ -200,12 +270,15 @@ void FixFloeIntegrate::copy_arrays(int i, int j, int) {
   ice_area[j] = ice_area[i];
   theta[j] = theta[i];
   ridged_area[j] = ridged_area[i];
+  bonds_made[j] = bonds_made[i];
+  turn[j][0] = turn[i][0];
+  turn[j][1] = turn[i][1];
 }
 
 void FixFloeIntegrate::set_arrays(int i) {
   thickness[i] = default_thickness;
   ice_area[i] = default_ice_area;
-  ridged_area[i] = 0.0;
+  ridged_area[i] = bonds_made[i] = 0.0;
   set_orientation(i, 0.0);
 }
 
@@ -224,7 +297,8 @@ int FixFloeIntegrate::pack_exchange(int i, double *buf) {
   buf[1] = ice_area[i];
   buf[2] = theta[i];
   buf[3] = ridged_area[i];
-  return 4;
+  buf[4] = bonds_made[i];
+  return own_numbers;
 }
 
 int FixFloeIntegrate::unpack_exchange(int i, double *buf) {
@@ -232,7 +306,9 @@ int FixFloeIntegrate::unpack_exchange(int i, double *buf) {
   ice_area[i] = buf[1];
   theta[i] = buf[2];
   ridged_area[i] = buf[3];
-  return 4;
+  bonds_made[i] = buf[4];
+  set_orientation(i, theta[i]);
+  return own_numbers;
 }
 
-double FixFloeIntegrate::memory_usage() { return 4.0 * atom->nmax * sizeof(double); }
+double FixFloeIntegrate::memory_usage() { return 7.0 * atom->nmax * sizeof(double); }

@@ -9,6 +9,7 @@
 #ifndef LMP_FIX_FLOE_INTEGRATE_H
 #define LMP_FIX_FLOE_INTEGRATE_H
 
+#include <cstdio>
 #include <vector>
 
 #include "body.h"
@@ -43,11 +44,21 @@ class FixFloeIntegrate : public Fix {
   int unpack_border(int, int, double *) override;
   int pack_exchange(int, double *) override;
   int unpack_exchange(int, double *) override;
+  int pack_comm(int, int *, double *, int, int *) override;
+  void unpack_comm(int, int, double *) override;
+  int pack_restart(int, double *) override;
+  void unpack_restart(int, int) override;
+  int size_restart(int) override;
+  int maxsize_restart() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+  double compute_vector(int) override;
   double memory_usage() override;
 
-  // Orientation of element i. Its cosine and sine travel with the ghosts in omega[i][0] and
-  // omega[i][1], which a two-dimensional run does not use otherwise.
+  bool has_run() const { return has_run_; }
   void set_orientation(int i, double angle);
+  // Hands the orientations of this rank's elements to their ghosts, on all ranks.
+  void send_orientations();
 
   // Notes that the bond between elements i and j has come to the end of the neighbours' reach.
   void fault_at(int i, int j);
@@ -56,6 +67,8 @@ class FixFloeIntegrate : public Fix {
   double *ice_area;     // m2
   double *theta;        // rad
   double *ridged_area;  // m2, turned into ridges since the element was made
+  double *bonds_made;   // how many bonds the element was given
+  double **turn;        // cosine and sine of theta, of elements and ghosts
 
   // What the pair style reads and adds up, of elements and ghosts: valid from one evaluation of the
   // pairs to the next, in LIGGGHTS' order. The parts that damping has in the loads are there with
@@ -64,8 +77,9 @@ class FixFloeIntegrate : public Fix {
   std::vector<floe::Load> loads, damped_bond, damped_contact;
   bool loads_cleared;     // those of this rank's own elements, by the integrator
   floe::PairFloe *pairs;  // null with another pair style
-  // No other fix sees forces or moves elements: the integrator takes the loads as they are and writes
-  // the bodies of the next step, and LIGGGHTS' arrays of forces are not touched.
+  // Asked for with the keyword `fused` and nothing else sees forces or moves elements: the integrator
+  // takes the loads as they are and writes the bodies of the next step, and LIGGGHTS' arrays of
+  // forces are not touched.
   bool fused;
   void write_forces();  // into LIGGGHTS' arrays, for others to read
   // Energy (J) that damping takes in the half of a step that leads from the present velocities, which
@@ -90,9 +104,14 @@ class FixFloeIntegrate : public Fix {
   void parse(int narg, char **arg);
   void note_fault(int i, int kind, int partner, double speed);
   void freeze(int i, int kind, double speed);
+  void warn_of_others();
+  bool ask_fused;  // by keyword
+  bool has_run_ = false;
   bool first_kick;     // no step was made since the elements were set
   bool stop_at_fault;  // end the run; else keep the element where it is and let the driver ask
   double default_thickness, default_ice_area;
+  std::vector<double> sums_;  // of all ranks, at an evaluation of the pairs
+  long long sums_at_ = -1;
 };
 
 }  // namespace LAMMPS_NS

@@ -14,11 +14,11 @@ FLOE_INLINE void write_all(const double *angle, int count, double *rows) {
     P c, s;
     cos_sin(load_pack<P>(angle + i), c, s);
     for (int k = 0; k < Width; ++k) {
-      rows[3 * (i + k)] = c[k];
-      rows[3 * (i + k) + 1] = s[k];
+      rows[2 * (i + k)] = c[k];
+      rows[2 * (i + k) + 1] = s[k];
     }
   }
-  for (; i < count; ++i) cos_sin(angle[i], rows[3 * i], rows[3 * i + 1]);
+  for (; i < count; ++i) cos_sin(angle[i], rows[2 * i], rows[2 * i + 1]);
 }
 
 #if defined(__x86_64__)

@@ -4,7 +4,7 @@
 
 namespace floe {
 
-// Writes cosine and sine of each angle (rad) into the first two of its row of three.
+// Writes cosine and sine of each angle (rad) into a row of two.
 void write_turns(const double *angle, int count, double *rows);
 
 }  // namespace floe

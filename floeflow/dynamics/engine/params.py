@@ -172,7 +172,7 @@ class EngineParams:
     def fix_style(self) -> str:
         """LIGGGHTS command that sets the integrator up."""
         return (
-            f"fix motion all floe/integrate stop_at_fault no wind {_yes(self.wind)}"
+            f"fix motion all floe/integrate fused yes stop_at_fault no wind {_yes(self.wind)}"
             f" wind_relative {_yes(self.relative_wind)} ocean_drag {_yes(self.ocean_drag)}"
             f" coriolis {_yes(self.coriolis)} tilt {_yes(self.tilt)}"
             f" air_drag {self.wind_stress_factor!r} water_drag {self.ocean_stress_factor!r}"

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+//
+// fix floe/integrate: restart files, and sums for input scripts.
+#include <mpi.h>
+
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "fix_floe_integrate.h"
+#include "pair_floe.h"
+#include "sums.h"
+#include "update.h"
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+// Of the numbers in a restart file: raised whenever their layout changes.
+constexpr double restart_version = 1.0;
+constexpr int ledger_size = sizeof(floe::Ledger) / sizeof(double);
+constexpr int element_numbers = 6;  // of one element, how many they are included
+
+}  // namespace
+
+void FixFloeIntegrate::write_restart(FILE *file) {
+  // A file written within a run: the steps changed the history since the elements took it along.
+  if (pairs) pairs->keep_history();
+  double own[ledger_size];
+  std::memcpy(own, &ledger, sizeof ledger);
+  std::vector<double> out{restart_version, start_time, first_kick ? 1.0 : 0.0};
+  const int head = static_cast<int>(out.size());
+  out.resize(head + ledger_size);
+  MPI_Allreduce(own, out.data() + head, ledger_size, MPI_DOUBLE, MPI_SUM, world);
+  if (comm->me != 0) return;
+  const int bytes = static_cast<int>(out.size() * sizeof(double));
+  std::fwrite(&bytes, sizeof bytes, 1, file);
+  std::fwrite(out.data(), sizeof(double), out.size(), file);
+}
+
+void FixFloeIntegrate::restart(char *buf) {
+  const double *in = reinterpret_cast<double *>(buf);
+  if (in[0] != restart_version) {
+    error->all(FLERR, "Fix floe/integrate: another version wrote the restart file");
+  }
+  start_time = in[1];
+  first_kick = in[2] != 0.0;
+  // The sums of all ranks go on with the first.
+  ledger = {};
+  if (comm->me == 0) std::memcpy(static_cast<void *>(&ledger), in + 3, sizeof ledger);
+}
+
+int FixFloeIntegrate::pack_restart(int i, double *buf) {
+  buf[0] = element_numbers;
+  return 1 + pack_exchange(i, buf + 1);
+}
+
+void FixFloeIntegrate::unpack_restart(int i, int nth) {
+  const double *extra = atom->extra[i];
+  int m = 0;
+  for (int k = 0; k < nth; ++k) m += static_cast<int>(extra[m]);
+  std::vector<double> row(extra + m + 1, extra + m + element_numbers);
+  unpack_exchange(i, row.data());
+}
+
+int FixFloeIntegrate::size_restart(int) { return element_numbers; }
+
+int FixFloeIntegrate::maxsize_restart() { return element_numbers; }
+
+double FixFloeIntegrate::compute_vector(int k) {
+  const long long now = pairs ? pairs->evaluations() : update->ntimestep;
+  if (sums_.empty() || now != sums_at_) sums_ = floe::global_sums(lmp);
+  sums_at_ = now;
+  return sums_[k];
+}
