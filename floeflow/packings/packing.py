@@ -34,6 +34,8 @@ log = logging.getLogger(__name__)
 
 # Patches of ice smaller than this share of a mean element get no element of their own.
 SMALLEST_PATCH = 0.5
+# Cells come out less unlike than the sizes for which their places are sought; measured.
+SPREAD_GAIN = 1.3
 
 
 def mean_radii(grid: Grid, ice: Flags, elements: int, size: Array) -> Array:
@@ -46,7 +48,8 @@ def own_sizes(elements: int, spread: float, generator: np.random.Generator) -> A
     """Sizes of elements over the mean one of their place: lognormal, mean square 1, (n,)."""
     if spread == 0.0:
         return np.ones(elements)
-    return np.exp(spread * generator.standard_normal(elements) - spread**2)
+    wide = SPREAD_GAIN * spread
+    return np.exp(wide * generator.standard_normal(elements) - wide**2)
 
 
 def place(
@@ -92,8 +95,10 @@ def place(
     smallest = SMALLEST_PATCH * np.pi * mean**2
     added = points.islands_without(grid, ice, found, marks, smallest)
     found, own = np.concatenate([found, added]), np.append(own, np.ones(len(added)))
-    weight = discs.FILL * wanted() ** 2 if spread else None
-    target = np.sqrt(discs.FILL / np.pi * points.cell_areas(found, marks, weight))
+    if spread:
+        target = np.sqrt(discs.FILL) * wanted()
+    else:
+        target = np.sqrt(discs.FILL / np.pi * points.cell_areas(found, marks))
     found = discs.spread(grid, ice, found, *coast, target)
     order = hilbert_order(grid, found)
     found, own = found[order], own[order]

@@ -22,6 +22,8 @@ Flags = NDArray[np.bool_]
 
 SAMPLES_PER_ELEMENT = 32
 CANDIDATES_PER_ELEMENT = 4
+# Share of the lack in a cell's area by which its weight grows in a step.
+ADJUST = 0.4
 # Points of a full Poisson-disc set per (distance squared / area); measured, only a first guess.
 POISSON_DENSITY = 0.66
 
@@ -187,11 +189,17 @@ def lloyd(
     steps : int
         Relaxations.
     weight : ndarray, optional
-        Squared radii (m2), (n,): cells of the power diagram instead.
+        Squared radii (m2), (n,): cells of the power diagram instead, whose weights are adjusted in
+        each step so that areas go as the squared radii (Aurenhammer, Hoffmann and Aronov 1998,
+        doi 10.1007/PL00009187).
     """
     points = points.copy()
+    wanted = None if weight is None else np.pi * weight * marks.area.sum() / (np.pi * weight).sum()
     for _ in range(steps):
         owner = owners(points, marks.points, weight)
+        if weight is not None:
+            lack = wanted - np.bincount(owner, weights=marks.area, minlength=len(points))
+            weight = np.maximum(weight + ADJUST / np.pi * lack, 0.0)
         total = np.bincount(owner, weights=marks.pull, minlength=len(points))
         has = total > 0
         for axis in (0, 1):

@@ -177,7 +177,7 @@ class Sizes(Block):
         "Spread of sizes of neighbours: standard deviation of the logarithm of the diameter.",
         "1",
         ge=0,
-        le=0.6,
+        le=0.4,
     )
 
 
