@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What every generator makes: elements with their cells and edges, and the dataset of them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,8 @@ class Elements:
         Number of each mobile element's floe, (n,).
     concentration : ndarray, optional
         Ice concentration of the mask about each mobile element, (n,), where its own is another.
+    figures : dict
+        What the generator itself knows of the quality, by the names of `quality.LABELS`.
     """
 
     places: Array
@@ -56,6 +58,7 @@ class Elements:
     correction: float
     floe: Index | None = None
     concentration: Array | None = None
+    figures: dict[str, float] = field(default_factory=dict)
 
     @property
     def count(self) -> int:

@@ -322,7 +322,19 @@ def _divided(mask: xr.Dataset, floes: Floes, floe: Index, places: Array, radius:
         ends=ends,
         correction=correction,
         floe=floes.number[floe],
+        figures=_outline_figures(floes, floe, places[:count], radius[:count]),
     )
+
+
+def _outline_figures(floes: Floes, floe: Index, places: Array, radius: Array) -> dict[str, float]:
+    """Mean distance of points on the outlines from the nearest disc of the floe, from its rim."""
+    corners = shapely.segmentize(shapely.boundary(floes.outline), floes.grid.spacing)
+    at, of = shapely.get_coordinates(corners, return_index=True)
+    owner = owners(places, at, radius**2, (floe, of))
+    away = np.abs(np.hypot(*(at - places[owner]).T) - radius[owner])
+    typical = float(np.sqrt(np.median(floes.area) / np.pi))
+    mean = float(away.mean())
+    return {"outline_distance": mean, "outline_share": mean / typical}
 
 
 def _solid(outline: shapely.Geometry) -> shapely.Polygon:

@@ -7,6 +7,7 @@ and ice volume are those of the mask. See docs/theory/packing.md.
 """
 
 import logging
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -24,6 +25,7 @@ from floeflow.packings.elements import (
     packing_dataset,
 )
 from floeflow.packings.floes import floe_discs
+from floeflow.packings.quality import LABELS, PREFIX, quality
 from floeflow.packings.sizes import relative_size
 from floeflow.scene.blocks import Packing
 
@@ -165,7 +167,11 @@ def tessellated(mask: xr.Dataset, packing: Packing, seed: int, coast_effect: boo
     largest = np.clip(np.sqrt(cells / np.pi), least * own, most * own)
     largest = np.concatenate([largest, mean[grid.cell_of(coast[:, 0], coast[:, 1])]])
     everywhere = np.concatenate([places, coast])
-    return tessellate(mask, (everywhere, discs.radii(everywhere, largest)), len(places))
+    made = tessellate(mask, (everywhere, discs.radii(everywhere, largest)), len(places))
+    row, column = grid.cell_of(places[:, 0], places[:, 1])
+    scale = mask["cell_area"].values[row, column] / grid.spacing**2
+    ratio = np.sqrt(made.area / scale / np.pi) / own
+    return replace(made, figures={"size_error": float(ratio.std())})
 
 
 def make_packing(
@@ -214,4 +220,8 @@ def make_packing(
         100 * np.pi * (mobile**2).sum() / float(made.area.sum()),
         made.correction,
     )
-    return packing_dataset(mask, made)
+    out = packing_dataset(mask, made)
+    for name, value in (quality(mask, out) | made.figures).items():
+        text, units = LABELS[name]
+        out[f"{PREFIX}{name}"] = ((), value, {"long_name": text, "units": units})
+    return out

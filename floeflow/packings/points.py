@@ -194,7 +194,7 @@ def lloyd(
         doi 10.1007/PL00009187).
     """
     points = points.copy()
-    wanted = None if weight is None else np.pi * weight * marks.area.sum() / (np.pi * weight).sum()
+    wanted = np.zeros(0) if weight is None else weight * (marks.area.sum() / weight.sum())
     for _ in range(steps):
         owner = owners(points, marks.points, weight)
         if weight is not None:

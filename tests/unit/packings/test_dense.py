@@ -14,7 +14,7 @@ from floeflow.packings.dense import disc_sizes
 from floeflow.packings.elements import grid_of
 from floeflow.packings.packing import make_packing
 from floeflow.scene.blocks import Discs, Packing
-from tests.unit.packings.test_packing import coastline, mask_of
+from unit.packings.test_packing import coastline, mask_of
 
 
 @pytest.mark.parametrize("sizes", ["equal", "bidisperse", "lognormal", "power_law"])

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from unit.packings.test_packing import SPACING, check_no_overlap, check_sums, mask_of, mobile
 
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import from_lonlat, scene_crs, to_lonlat
@@ -16,6 +15,7 @@ from floeflow.packings.elements import grid_of
 from floeflow.packings.packing import make_packing
 from floeflow.packings.sizes import relative_size, strait_width
 from floeflow.scene.blocks import Domain, Packing, Sizes
+from unit.packings.test_packing import SPACING, check_no_overlap, check_sums, mask_of, mobile
 
 
 def bay():
