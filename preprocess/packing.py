@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Rule ``packing``: elements over the ice: their cells and discs."""
+"""Rule ``packing``: elements over the ice: their discs and cells, or floes."""
 
+from pathlib import Path
+
+from floeflow.coupling.compaction import compactor
+from floeflow.packings.elements import grid_of
 from floeflow.packings.packing import make_packing
 from floeflow.state import read_dataset, write_dataset
 from floeflow.workflow.job import Snakemake, run_script, scene_of
@@ -10,7 +14,8 @@ def main(snakemake: Snakemake) -> None:
     """Run the rule."""
     scene = scene_of(snakemake)
     mask = read_dataset(snakemake.input.mask)
-    made = make_packing(mask, scene.packing, scene.seed, "coast" in scene.effects)
+    compact = compactor(grid_of(mask), Path(str(snakemake.log[0])).parent)
+    made = make_packing(mask, scene.packing, scene.seed, "coast" in scene.effects, compact)
     write_dataset(made, snakemake.output.packing)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pyproj
 from numpy.typing import NDArray
 from pyproj.exceptions import CRSError
+from scipy import sparse
 
 from floeflow.core.errors import FloeError
 
@@ -200,3 +201,16 @@ def cell_area(grid: Grid, crs: pyproj.CRS) -> Array:
     if np.all(np.abs(scale - 1.0) < EQUAL_AREA_TOLERANCE):
         scale[:] = 1.0
     return grid.spacing**2 / scale
+
+
+def overlaps(edges: Array, others: Array) -> sparse.csr_matrix:
+    """Length (m) that the intervals between edges share with those between others, (n, m)."""
+    first = np.clip(np.searchsorted(others, edges[:-1], side="right") - 1, 0, None)
+    last = np.clip(np.searchsorted(others, edges[1:], side="left"), None, len(others) - 1)
+    count = np.maximum(last - first, 0)
+    of = np.repeat(np.arange(len(count)), count)
+    rank = np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
+    other = first[of] + rank
+    shared = np.minimum(edges[of + 1], others[other + 1]) - np.maximum(edges[of], others[other])
+    shape = (len(edges) - 1, len(others) - 1)
+    return sparse.csr_matrix((np.maximum(shared, 0.0), (of, other)), shape=shape)

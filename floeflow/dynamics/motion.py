@@ -59,6 +59,7 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
     return EngineParams(
         time_step=time_step,
         **{"friction": False, **switches},
+        period=None,
         young_modulus=d.young_modulus,
         poisson_ratio=d.poisson_ratio,
         bond_damping=d.bond_damping,

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from floeflow.core import area_means, fields, interpolate
 from floeflow.core.errors import FloeError
-from floeflow.core.grids import cell_area, mask_grid, scene_crs, to_lonlat
+from floeflow.core.grids import Grid, cell_area, mask_grid, scene_crs, to_lonlat
+from floeflow.masks.floe_mask import floe_mask
+from floeflow.masks.labels import read_labels
 from floeflow.masks.mask_file import MaskFile, read_mask_file
 from floeflow.masks.pole_hole import LOWEST, RIM, find_hole, rim_mean
 from floeflow.masks.thickness import CELL_MEAN
@@ -93,6 +95,8 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     """
     grid = mask_grid(scene.domain, scene.mask.refine)
     crs = scene_crs(scene.domain)
+    if scene.packing.generator == "floes":
+        return _make_floe_mask(scene, grid, land_fraction)
     lon, lat = to_lonlat(crs, *grid.mesh())
     file = read_mask_file(scene)
     transfer = area_means.transfer(file.source, grid, crs, lon, lat)
@@ -123,6 +127,21 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     )
     made = _dataset(scene, grid.x, grid.y, siconc, sithick, land, area)
     made.attrs["notes"] = "\n".join(notes)
+    return made
+
+
+def _make_floe_mask(scene: Scene, grid: Grid, land_fraction: Array | None) -> xr.Dataset:
+    """Mask of a labelled image: concentration is the share that floes cover."""
+    if land_fraction is None:
+        land = np.zeros(grid.shape, dtype=bool)
+    else:
+        land = land_fraction >= scene.mask.land_fraction
+    floes = read_labels(scene.mask.labels, scene.domain)
+    siconc, pixels = floe_mask(floes, grid, land)
+    sithick = np.where(siconc > 0, scene.mask.ice_thickness, 0.0)
+    area = cell_area(grid, scene_crs(scene.domain))
+    made = _dataset(scene, grid.x, grid.y, siconc, sithick, land, area).merge(pixels)
+    made.attrs |= pixels.attrs | {"notes": ""}
     return made
 
 

@@ -21,6 +21,7 @@ from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
 from floeflow.core.input_files import Hints
 from floeflow.core.unpack import HOLE, LAND, Flags, Values, flag_variable
+from floeflow.masks.labels import read_labels
 from floeflow.masks.thickness import thickness_kind
 from floeflow.scene.blocks import Scene
 
@@ -174,6 +175,9 @@ def check_mask_file(scene: Scene) -> None:
         variable, dimensions that are no map, a time too far off, a thickness of unclear meaning.
     """
     to_lonlat(scene_crs(scene.domain), *scene_grid(scene.domain).mesh())
+    if scene.packing.generator == "floes":
+        read_labels(scene.mask.labels, scene.domain)
+        return
     path = Path(scene.mask.file)
     if not scene.mask.file:
         raise FloeError("mask.file names no file")

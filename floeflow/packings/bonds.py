@@ -13,8 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from floeflow.core.grids import Grid
-from floeflow.packings.tessellation import power_diagram
+from floeflow.packings.lines import diagram_around, disc_lines
 from floeflow.state.bonds import new_bonds
 from floeflow.state.elements import joint_thickness
 from floeflow.state.schema import COAST, VARIABLES
@@ -58,29 +57,16 @@ def coast_edges(packing: xr.Dataset) -> Edges:
     They pass between the discs. Each is cut to the width of its smaller disc, about the line of
     centres: at the end of a coast the tessellation alone would draw it far out to sea.
     """
-    x, y, radius = (packing[name].values for name in ("x", "y", "radius"))
+    radius = packing["radius"].values
     coast = packing["type"].values == COAST
     if not coast.any() or coast.all():
         none = np.empty(0, dtype=np.int64)
         return Edges(none, none, np.empty((0, 4)))
-    side = float(max(np.ptp(x), np.ptp(y))) + 2.0 * float(radius.max())
-    left, low = float((x - radius).min()), float((y - radius).min())
-    whole = Grid(np.array([left + 0.5 * side]), np.array([low + 0.5 * side]), side, left, low)
-    diagram = power_diagram(np.column_stack([x, y]), radius, whole)
+    places = np.stack([packing["x"].values, packing["y"].values], axis=1)
+    diagram = diagram_around(places, radius)
     both = coast[diagram.lo] != coast[diagram.hi]
-    lo, hi, ends = diagram.lo[both], diagram.hi[both], diagram.ends[both]
-    # The radical axis crosses the line of centres where both discs have the same power.
-    dx, dy = x[hi] - x[lo], y[hi] - y[lo]
-    span = np.hypot(dx, dy)
-    arm = 0.5 * (span + (radius[lo] ** 2 - radius[hi] ** 2) / span)
-    nx, ny = dx / span, dy / span
-    cx, cy = x[lo] + arm * nx, y[lo] + arm * ny
-    along = np.stack([-(e[:, 0] - cx) * ny + (e[:, 1] - cy) * nx for e in (ends[:, 0], ends[:, 1])])
-    half = np.minimum(radius[lo], radius[hi])
-    a, b = np.clip(along, -half, half)
-    lines = np.column_stack([cx - a * ny, cy + a * nx, cx - b * ny, cy + b * nx])
-    found = Edges(lo, hi, lines)
-    return found.pick(np.abs(b - a) > 1e-6 * half)
+    lo, hi, ends = disc_lines(diagram, places, radius, both)
+    return Edges(lo, hi, ends.reshape(-1, 4))
 
 
 def frozen(packing: xr.Dataset, edges: Edges, bond_gap: float, minimum: float) -> Edges:
@@ -101,13 +87,21 @@ def frozen(packing: xr.Dataset, edges: Edges, bond_gap: float, minimum: float) -
     -------
     Edges
         Those whose mobile elements hold ice of at least that concentration, where the gap
-        d - r_i - r_j is under ``bond_gap`` (r_i + r_j) or no more than round-off.
+        d - r_i - r_j is under ``bond_gap`` (r_i + r_j) or no more than round-off. Within a floe of
+        a labelled image all elements that share a side are frozen together, and none across.
     """
     x, y, radius = (packing[name].values for name in ("x", "y", "radius"))
     fraction = packing["ice_fraction"].values.sum(axis=1)
+    if "concentration" in packing:
+        fraction = packing["concentration"].values
     reach = radius[edges.lo] + radius[edges.hi]
     gap = np.hypot(x[edges.hi] - x[edges.lo], y[edges.hi] - y[edges.lo]) - reach
     near = gap < np.maximum(bond_gap, 1e-9) * reach
+    if "floe" in packing:
+        floe = packing["floe"].values
+        near = (floe[edges.lo] == floe[edges.hi]) | (
+            near & ((floe == 0)[edges.lo] | (floe == 0)[edges.hi])
+        )
     holds = (fraction > 0) & (fraction >= minimum) | (packing["type"].values == COAST)
     return edges.pick(near & holds[edges.lo] & holds[edges.hi])
 

@@ -13,7 +13,8 @@ from scipy.ndimage import binary_dilation
 from scipy.spatial import cKDTree
 
 from floeflow.core.grids import Grid
-from floeflow.packings.points import hilbert_key, on_ice, thin
+from floeflow.core.near import pushes, thin
+from floeflow.packings.points import hilbert_key, on_ice
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -36,7 +37,7 @@ ROUND_OFF = 1.0e-12
 _SIDES = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=bool)
 
 
-def coast_points(grid: Grid, ice: Flags, land: Flags, mean_radius: float) -> tuple[Array, float]:
+def coast_points(grid: Grid, ice: Flags, land: Flags, radius: Array) -> tuple[Array, float]:
     """Centres of the coast elements.
 
     Land cells with a side on water that the ice can reach; where cells are larger than elements,
@@ -48,8 +49,8 @@ def coast_points(grid: Grid, ice: Flags, land: Flags, mean_radius: float) -> tup
         The mask grid.
     ice, land : ndarray
         Cells with ice and cells of land, (ny, nx).
-    mean_radius : float
-        Of the mobile elements (m).
+    radius : ndarray
+        Mean radius of the mobile elements there (m), (ny, nx).
 
     Returns
     -------
@@ -60,16 +61,19 @@ def coast_points(grid: Grid, ice: Flags, land: Flags, mean_radius: float) -> tup
     """
     steps = int(np.ceil(REACH / grid.spacing))
     reached = binary_dilation(ice, _SIDES, iterations=steps, mask=~land) if steps else ice
-    split = max(1, round(grid.spacing / (2.0 * mean_radius)))
+    shore = land & binary_dilation(reached, _SIDES)
+    if not shore.any():
+        return np.empty((0, 2)), grid.spacing
+    split = max(1, round(grid.spacing / (2.0 * float(radius[shore].min()))))
     block = np.ones((split, split), dtype=bool)
     water, solid = np.kron(reached, block), np.kron(land, block)
     row, column = np.nonzero(solid & binary_dilation(water, _SIDES))
     side = grid.spacing / split
     points = np.stack([grid.x_min + side * (column + 0.5), grid.y_min + side * (row + 0.5)], axis=1)
-    distance = COAST_SPACING * mean_radius
-    if len(points) and distance > side:
+    distance = COAST_SPACING * radius[grid.cell_of(points[:, 0], points[:, 1])]
+    if float(distance.max()) > side:
         priority = np.argsort(np.argsort(_curve(grid, points), kind="stable"))
-        points = points[thin(points, priority, distance)]
+        points = points[thin(points, priority, np.maximum(distance, side * (1.0 - ROUND_OFF)))]
     return points, side
 
 
@@ -79,7 +83,7 @@ def _curve(grid: Grid, points: Array) -> NDArray[np.int64]:
 
 
 def spread(
-    grid: Grid, ice: Flags, points: Array, coast: Array, coast_radius: float, target: Array
+    grid: Grid, ice: Flags, points: Array, coast: Array, coast_radius: float | Array, target: Array
 ) -> Array:
     """Push discs apart that would overlap at their target radii, so that all can grow.
 
@@ -94,7 +98,7 @@ def spread(
         Mobile centres (m), (n, 2).
     coast : ndarray
         Fixed centres (m), (k, 2).
-    coast_radius : float
+    coast_radius : float or ndarray
         Their radius (m).
     target : ndarray
         Target radii of the mobile discs (m), (n,).
@@ -105,25 +109,13 @@ def spread(
         Mobile centres (m), (n, 2).
     """
     count = len(points)
-    radius = np.concatenate([target, np.full(len(coast), coast_radius)])
+    radius = np.concatenate([target, np.broadcast_to(coast_radius, len(coast))])
     everywhere = np.concatenate([points, coast])
     for _ in range(SPREAD_ROUNDS):
-        pairs = cKDTree(everywhere).query_pairs(2.0 * radius.max(), output_type="ndarray")
-        pairs = pairs[pairs[:, 0] < count]
-        first, second = pairs.T
-        apart = everywhere[second] - everywhere[first]
-        distance = np.hypot(*apart.T)
-        overlap = radius[first] + radius[second] - distance
-        near = overlap > 0
-        first, second = first[near], second[near]
-        push = SPREAD_STEP * (overlap[near] / distance[near])[:, None] * apart[near]
-        alone = second >= count
-        push[alone] *= 2.0
-        moved = everywhere[:count].copy()
-        for axis in (0, 1):
-            moved[:, axis] -= np.bincount(first, weights=push[:, axis], minlength=count)[:count]
-            gain = np.where(alone, 0.0, push[:, axis])
-            moved[:, axis] += np.bincount(second, weights=gain, minlength=count)[:count]
+        moves, deepest = pushes(everywhere, radius, count, SPREAD_STEP)
+        if deepest == 0.0:
+            break
+        moved = everywhere[:count] + moves
         stays = on_ice(grid, ice, moved)
         everywhere[:count][stays] = moved[stays]
     return everywhere[:count]
@@ -159,3 +151,31 @@ def radii(points: Array, largest: Array) -> Array:
         np.minimum.at(room, second, gap)
         radius += 0.5 * np.maximum(room, 0.0)
     return radius * (1.0 - ROUND_OFF)
+
+
+def apart(points: Array, radius: Array, mobile: int) -> Array:
+    """Radii of overlapping discs shortened until none overlaps, each by half its deepest overlap.
+
+    Parameters
+    ----------
+    points, radius : ndarray
+        Discs (m), (n, 2) and (n,); those from row `mobile` on are fixed and keep their radii.
+    mobile : int
+        How many can shrink.
+
+    Returns
+    -------
+    ndarray
+        Radii (m), (n,).
+    """
+    pairs = cKDTree(points).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
+    pairs = pairs[pairs[:, 0] < mobile]
+    first, second = pairs.T
+    overlap = radius[first] + radius[second] - np.hypot(*(points[first] - points[second]).T)
+    less = np.zeros(len(radius))
+    share = np.where(second < mobile, 0.5, 1.0)
+    np.maximum.at(less, first, share * overlap)
+    np.maximum.at(less, second, np.where(second < mobile, 0.5 * overlap, 0.0))
+    shrunk = np.maximum(radius - less, 0.0)
+    shrunk[:mobile] *= 1.0 - ROUND_OFF
+    return shrunk

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from floeflow.core.grids import Grid
 from floeflow.packings import discs, points, tessellation
-from floeflow.packings.packing import grid_of, ordered
+from floeflow.packings.elements import grid_of, ordered
 from floeflow.state.cells import rings_of
 from floeflow.state.schema import MOBILE
 
@@ -62,9 +62,9 @@ def water_discs(
     if count < 1:
         return np.empty((0, 2)), np.empty(0)
     generator = np.random.Generator(np.random.PCG64([seed, 1]))
-    per_side = points.samples_per_side(int(water.sum()), count)
-    marks, _ = points.samples(grid, water, per_side)
-    found = points.blue_noise(grid, water, count, generator)
+    size = np.ones(grid.shape)
+    marks = points.samples(grid, water, count, size)
+    found, _ = points.blue_noise(grid, water, size, np.ones(count), generator)
     found = points.lloyd(grid, water, found, marks, RELAXATIONS)
     target = np.full(len(found), np.sqrt(discs.FILL) * mean_radius)
     found = discs.spread(grid, water, found, fixed, mean_radius, target)

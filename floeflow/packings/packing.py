@@ -7,76 +7,56 @@ and ice volume are those of the mask. See docs/theory/packing.md.
 """
 
 import logging
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-import shapely
 import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core.grids import Grid
 from floeflow.packings import discs, points, tessellation
+from floeflow.packings.dense import Compactor, dense_discs
+from floeflow.packings.elements import (
+    Elements,
+    grid_of,
+    hilbert_order,
+    no_elements,
+    ordered,
+    packing_dataset,
+)
+from floeflow.packings.floes import floe_discs
+from floeflow.packings.quality import LABELS, PREFIX, quality
+from floeflow.packings.sizes import relative_size
 from floeflow.scene.blocks import Packing
-from floeflow.state.schema import COAST, MOBILE
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 log = logging.getLogger(__name__)
 
 # Patches of ice smaller than this share of a mean element get no element of their own.
 SMALLEST_PATCH = 0.5
-# Unclaimed water below this share of the ocean is the round-off of a sum.
-ROUND_OFF = 1.0e-12
+# Cells come out less unlike than the sizes for which their places are sought; measured.
+SPREAD_GAIN = 1.3
 
 
-@dataclass(frozen=True)
-class Elements:
-    """Mobile elements, tessellated.
-
-    Parameters
-    ----------
-    area : ndarray
-        Effective areas (m2 on the earth), (n,).
-    ice_fraction, ice_volume : ndarray
-        Share of the area under ice, and ice volume per area (m), (n,).
-    polygons : ndarray of shapely.Polygon
-        Clipped cells, (n,).
-    lo, hi, ends : ndarray
-        Shared edges as in `tessellation.Diagram`.
-    correction : float
-        As in `tessellation.Overlay`.
-    """
-
-    area: Array
-    ice_fraction: Array
-    ice_volume: Array
-    polygons: NDArray[np.object_]
-    lo: Index
-    hi: Index
-    ends: Array
-    correction: float
+def mean_radii(grid: Grid, ice: Flags, elements: int, size: Array) -> Array:
+    """Radius (m) of a circle of an element's area, by place, (ny, nx)."""
+    density = size[ice] ** -2.0
+    return size * grid.spacing * float(np.sqrt(density.sum() / elements / np.pi))
 
 
-def grid_of(mask: xr.Dataset) -> Grid:
-    """The mask's grid."""
-    x, y = mask["x"].values, mask["y"].values
-    spacing = float(x[1] - x[0])
-    return Grid(x, y, spacing, float(x[0]) - 0.5 * spacing, float(y[0]) - 0.5 * spacing)
-
-
-def ordered(grid: Grid, places: Array) -> Array:
-    """Points in the order of a Hilbert curve, so that neighbours are near in memory."""
-    side = grid.spacing * max(grid.shape)
-    key = points.hilbert_key(places[:, 0], places[:, 1], grid.x_min, grid.y_min, side)
-    return places[np.argsort(key, kind="stable")]
+def own_sizes(elements: int, spread: float, generator: np.random.Generator) -> Array:
+    """Sizes of elements over the mean one of their place: lognormal, mean square 1, (n,)."""
+    if spread == 0.0:
+        return np.ones(elements)
+    wide = SPREAD_GAIN * spread
+    return np.exp(wide * generator.standard_normal(elements) - wide**2)
 
 
 def place(
-    grid: Grid, ice: Flags, packing: Packing, seed: int, coast: Array, coast_radius: float
-) -> tuple[Array, Array]:
+    grid: Grid, ice: Flags, packing: Packing, size: Array, seed: int, coast: tuple[Array, Array]
+) -> tuple[Array, Array, Array]:
     """Places of the mobile elements.
 
     Parameters
@@ -84,44 +64,63 @@ def place(
     grid, ice
         Mask grid and its cells with ice, (ny, nx).
     packing : Packing
-        How many elements and relaxations.
+        How many elements and relaxations, and the spread of their sizes.
+    size : ndarray
+        Relative size of elements by place, (ny, nx).
     seed : int
         Of PCG64, the only source of chance.
-    coast, coast_radius
-        Centres of the coast elements (m), (k, 2), and the radius to keep clear of.
+    coast : tuple of ndarray
+        Centres of the coast elements (m), (k, 2), and the radii to keep clear of, (k,).
 
     Returns
     -------
     places : ndarray
         (n, 2) in metres; a few more than asked for where patches of ice lay apart.
     cell_area : ndarray
-        Plane area of their clipped Voronoi cells (m2), (n,), by samples.
+        Plane area of their clipped cells (m2), (n,), by samples.
+    mean_radius : ndarray
+        Radius (m) that each would have if all elements of its place were alike, times its own
+        size, (n,).
     """
     generator = np.random.Generator(np.random.PCG64(seed))
-    area = float(ice.sum()) * grid.spacing**2
-    per_side = points.samples_per_side(int(ice.sum()), packing.elements)
-    marks, cells = points.samples(grid, ice, per_side)
-    found = points.blue_noise(grid, ice, packing.elements, generator)
-    found = points.lloyd(grid, ice, found, marks, packing.relaxations)
-    smallest = SMALLEST_PATCH * area / packing.elements
-    added = points.islands_without(grid, ice, found, marks, cells, smallest)
-    found = np.concatenate([found, added])
-    target = np.sqrt(discs.FILL * area * points.shares(found, marks) / np.pi)
-    found = discs.spread(grid, ice, found, coast, coast_radius, target)
-    found = ordered(grid, found)
-    return found, points.shares(found, marks) * area
+    mean = mean_radii(grid, ice, packing.elements, size)
+    marks = points.samples(grid, ice, packing.elements, size)
+    own = own_sizes(packing.elements, packing.size.spread, generator)
+    found, own = points.blue_noise(grid, ice, size, own, generator)
+
+    def wanted() -> Array:
+        return mean[grid.cell_of(found[:, 0], found[:, 1])] * own
+
+    spread = packing.size.spread > 0.0
+    weight = discs.FILL * wanted() ** 2 if spread else None
+    found = points.lloyd(grid, ice, found, marks, packing.relaxations, weight)
+    smallest = SMALLEST_PATCH * np.pi * mean**2
+    added = points.islands_without(grid, ice, found, marks, smallest)
+    found, own = np.concatenate([found, added]), np.append(own, np.ones(len(added)))
+    if spread:
+        target = np.sqrt(discs.FILL) * wanted()
+    else:
+        target = np.sqrt(discs.FILL / np.pi * points.cell_areas(found, marks))
+    found = discs.spread(grid, ice, found, *coast, target)
+    order = hilbert_order(grid, found)
+    found, own = found[order], own[order]
+    weight = discs.FILL * wanted() ** 2 if spread else None
+    return found, points.cell_areas(found, marks, weight), wanted()
 
 
-def tessellate(mask: xr.Dataset, places: Array, radius: Array) -> Elements:
+def tessellate(mask: xr.Dataset, discs_of: tuple[Array, Array], count: int) -> Elements:
     """Effective areas, ice, cells and edges of mobile elements.
 
     Parameters
     ----------
     mask : xarray.Dataset
         Output of the mask stage.
-    places, radius : ndarray
-        Centres (n, 2) and radii (n,) in metres, n >= 1.
+    discs_of : tuple of ndarray
+        Centres (n + k, 2) and radii (n + k,) in metres of mobile and coast elements.
+    count : int
+        n >= 1, how many are mobile.
     """
+    places, radius = (values[:count] for values in discs_of)
     grid = grid_of(mask)
     siconc, sithick = mask["siconc"].values, mask["sithick"].values
     diagram = tessellation.power_diagram(places, radius, grid)
@@ -131,13 +130,13 @@ def tessellate(mask: xr.Dataset, places: Array, radius: Array) -> Elements:
     ice = share * siconc.ravel()[found.cell]
 
     def total(amount: Array) -> Array:
-        count = len(places)
         return np.bincount(found.element, weights=amount, minlength=count).astype(float)
 
     area = total(share)
     shortest = 2.0 * tessellation.SHORTEST_EDGE * float(radius.mean())
     polygons, lo, hi, ends = tessellation.clip(diagram, found, grid, shortest)
     return Elements(
+        *discs_of,
         area=area,
         # A sum of shares may end a round-off above 1.
         ice_fraction=np.minimum(total(ice) / area, 1.0),
@@ -150,10 +149,39 @@ def tessellate(mask: xr.Dataset, places: Array, radius: Array) -> Elements:
     )
 
 
+def tessellated(mask: xr.Dataset, packing: Packing, seed: int, coast_effect: bool) -> Elements:
+    """Cells that fill the ice (generator tessellation); see `make_packing`."""
+    grid = grid_of(mask)
+    land, ice = mask["land"].values > 0, mask["siconc"].values > 0
+    coarse = 2.0 * grid.spacing * float(np.sqrt(ice.sum() / packing.elements / np.pi))
+    size = relative_size(grid, ice, land, packing.size, coarse, mask.attrs["crs"])
+    mean = mean_radii(grid, ice, packing.elements, size)
+    coast, side = np.empty((0, 2)), 0.0
+    if coast_effect:
+        coast, side = discs.coast_points(grid, ice, land, mean)
+        coast = ordered(grid, coast)
+    clear = np.full(len(coast), 0.5 * side)
+    places, cells, own = place(grid, ice, packing, size, seed, (coast, clear))
+    # Cells of unlike elements have no bound that follows from those of like ones.
+    least, most = (0.25, discs.MOST_RADII) if packing.size.spread == 0 else (0.1, 3.0)
+    largest = np.clip(np.sqrt(cells / np.pi), least * own, most * own)
+    largest = np.concatenate([largest, mean[grid.cell_of(coast[:, 0], coast[:, 1])]])
+    everywhere = np.concatenate([places, coast])
+    made = tessellate(mask, (everywhere, discs.radii(everywhere, largest)), len(places))
+    row, column = grid.cell_of(places[:, 0], places[:, 1])
+    scale = mask["cell_area"].values[row, column] / grid.spacing**2
+    ratio = np.sqrt(made.area / scale / np.pi) / own
+    return replace(made, figures={"size_error": float(ratio.std())})
+
+
 def make_packing(
-    mask: xr.Dataset, packing: Packing, seed: int, coast_effect: bool = True
+    mask: xr.Dataset,
+    packing: Packing,
+    seed: int,
+    coast_effect: bool = True,
+    compact: Compactor | None = None,
 ) -> xr.Dataset:
-    """Elements of a scene.
+    """Elements of a scene, by the generator that it names.
 
     Parameters
     ----------
@@ -165,6 +193,8 @@ def make_packing(
         The scene's seed.
     coast_effect : bool
         Whether to line the land with fixed elements.
+    compact : callable, optional
+        Parts discs that overlap, for the generator dense.
 
     Returns
     -------
@@ -172,82 +202,26 @@ def make_packing(
         Elements sorted by id (mobile first, then coast), their cells as rings, the edges that
         neighbours share; see docs/theory/packing.md. No ice makes no elements.
     """
-    grid = grid_of(mask)
-    land, ice = mask["land"].values > 0, mask["siconc"].values > 0
+    ice = mask["siconc"].values > 0
     if not ice.any():
         log.warning("the scene has no ice: no elements")
-        none, index = np.empty(0), np.empty(0, dtype=np.int64)
-        polygons = np.empty(0, dtype=object)
-        elements = Elements(none, none, none, polygons, index, index, np.empty((0, 2, 2)), 0.0)
-        return _dataset(mask, np.empty((0, 2)), none, elements)
-    mean_radius = grid.spacing * float(np.sqrt(ice.sum() / packing.elements / np.pi))
-    coast, side = np.empty((0, 2)), 0.0
-    if coast_effect:
-        coast, side = discs.coast_points(grid, ice, land, mean_radius)
-        coast = ordered(grid, coast)
-    places, cells = place(grid, ice, packing, seed, coast, 0.5 * side)
-    largest = np.clip(np.sqrt(cells / np.pi), 0.25 * mean_radius, discs.MOST_RADII * mean_radius)
-    largest = np.concatenate([largest, np.full(len(coast), mean_radius)])
-    radius = discs.radii(np.concatenate([places, coast]), largest)
-    elements = tessellate(mask, places, radius[: len(places)])
-    mobile = radius[: len(places)]
+        return packing_dataset(mask, no_elements())
+    if packing.generator == "dense":
+        assert compact is not None
+        made = dense_discs(mask, packing, seed, coast_effect, compact)
+    else:
+        fill = {"tessellation": tessellated, "floes": floe_discs}[packing.generator]
+        made = fill(mask, packing, seed, coast_effect)
+    mobile = made.radius[: made.count]
     log.info(
         "%d mobile and %d coast elements, radii %.4g m to %.4g m, mean %.4g m; discs fill %.1f %%; "
         "areas in a mask cell corrected by at most %.1e of it",
-        *(len(places), len(coast), mobile.min(), mobile.max(), mobile.mean()),
-        100 * np.pi * (mobile**2).sum() / (ice.sum() * grid.spacing**2),
-        elements.correction,
+        *(made.count, len(made.radius) - made.count, mobile.min(), mobile.max(), mobile.mean()),
+        100 * np.pi * (mobile**2).sum() / float(made.area.sum()),
+        made.correction,
     )
-    return _dataset(mask, np.concatenate([places, coast]), radius, elements)
-
-
-def _rings(polygons: NDArray[np.object_], count: int) -> tuple[Index, Array]:
-    """Starts and vertices of open rings, without repeated vertices; none for coast elements."""
-    xy, of = shapely.get_coordinates(polygons, return_index=True)
-    if len(xy):
-        last = np.append(of[1:] != of[:-1], True)
-        again = np.append(np.all(xy[1:] == xy[:-1], axis=1) & (of[1:] == of[:-1]), False)
-        keep = ~(last | again)
-        xy, of = xy[keep], of[keep]
-    start = np.searchsorted(of, np.arange(count + 1))
-    return start.astype(np.int64), xy
-
-
-def _dataset(mask: xr.Dataset, places: Array, radius: Array, elements: Elements) -> xr.Dataset:
-    count, mobile = len(places), len(elements.area)
-
-    def padded(values: Array) -> Array:
-        return np.concatenate([values, np.zeros(count - mobile)])
-
-    ocean = float(mask["cell_area"].values[mask["land"].values == 0].sum())
-    unclaimed = ocean - float(elements.area.sum())
-    start, ring = _rings(elements.polygons, count)
-    data = {
-        "id": np.arange(1, count + 1, dtype=np.int64),
-        "type": np.where(np.arange(count) < mobile, MOBILE, COAST).astype(np.int8),
-        "x": places[:, 0],
-        "y": places[:, 1],
-        "radius": radius,
-        "area": padded(elements.area),
-    }
-    columns = {
-        "ice_fraction": padded(elements.ice_fraction)[:, None],
-        "ice_volume": padded(elements.ice_volume)[:, None],
-    }
-    edges: dict[str, NDArray[Any]] = {"edge_lo": elements.lo + 1, "edge_hi": elements.hi + 1}
-    for k, end in enumerate("ab"):
-        edges |= {f"edge_{end}x": elements.ends[:, k, 0], f"edge_{end}y": elements.ends[:, k, 1]}
-    attrs = {
-        "crs": mask.attrs["crs"],
-        "ocean_area": ocean,
-        "unclaimed_water": unclaimed if abs(unclaimed) > ROUND_OFF * ocean else 0.0,
-        "overlay_correction": elements.correction,
-    }
-    return xr.Dataset(
-        {name: ("element", values) for name, values in data.items()}
-        | {name: (("element", "category"), values) for name, values in columns.items()}
-        | {"cell_start": ("element_bound", start)}
-        | {"cell_x": ("vertex", ring[:, 0]), "cell_y": ("vertex", ring[:, 1])}
-        | {name: ("edge", values) for name, values in edges.items()},
-        attrs=attrs,
-    )
+    out = packing_dataset(mask, made)
+    for name, value in (quality(mask, out) | made.figures).items():
+        text, units = LABELS[name]
+        out[f"{PREFIX}{name}"] = ((), value, {"long_name": text, "units": units})
+    return out

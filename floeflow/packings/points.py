@@ -7,12 +7,14 @@ its area. With some thirty samples an element that is as good as clipped cells a
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label
-from scipy.spatial import cKDTree
 
 from floeflow.core.grids import Grid
+from floeflow.core.near import owners, thin
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -20,6 +22,8 @@ Flags = NDArray[np.bool_]
 
 SAMPLES_PER_ELEMENT = 32
 CANDIDATES_PER_ELEMENT = 4
+# Share of the lack in a cell's area by which its weight grows in a step.
+ADJUST = 0.4
 # Points of a full Poisson-disc set per (distance squared / area); measured, only a first guess.
 POISSON_DENSITY = 0.66
 
@@ -51,75 +55,32 @@ def hilbert_key(x: Array, y: Array, x_min: float, y_min: float, side: float) -> 
     return key
 
 
-def samples(grid: Grid, ice: Flags, per_side: int) -> tuple[Array, Index]:
-    """Sub-cell centres of the ice cells.
+@dataclass(frozen=True)
+class Samples:
+    """Places that stand for the area of the ice.
 
     Parameters
     ----------
-    grid : Grid
-        The mask grid.
-    ice : ndarray
-        Cells with ice, (ny, nx).
-    per_side : int
-        Sub-cells along the side of a cell.
-
-    Returns
-    -------
     points : ndarray
-        (n, 2) in metres, cell after cell.
+        Centres of sub-cells (m), (m, 2), cell after cell.
     cell : ndarray
-        Flat index of each point's cell, (n,).
+        Flat index of each one's mask cell, (m,).
+    area : ndarray
+        Area of each sub-cell (m2), (m,).
+    pull : ndarray
+        Weight of each in a relaxation, (m,): area over the fourth power of the relative size, with
+        which cells grow as that size (Du, Faber and Gunzburger 1999,
+        doi 10.1137/S0036144599352836).
     """
-    cell = np.flatnonzero(ice)
-    row, column = np.divmod(cell, grid.x.size)
-    offset = ((np.arange(per_side) + 0.5) / per_side - 0.5) * grid.spacing
-    dy, dx = (part.ravel() for part in np.meshgrid(offset, offset, indexing="ij"))
-    points = np.stack(
-        [(grid.x[column][:, None] + dx).ravel(), (grid.y[row][:, None] + dy).ravel()], axis=1
-    )
-    return points, np.repeat(cell, per_side**2)
+
+    points: Array
+    cell: Index
+    area: Array
+    pull: Array
 
 
-def samples_per_side(cells: int, elements: int) -> int:
-    """Sub-cells along the side of an ice cell that give each element enough samples."""
-    return max(2, int(np.ceil(np.sqrt(SAMPLES_PER_ELEMENT * elements / cells))))
-
-
-def thin(points: Array, priority: Index, distance: float) -> Flags:
-    """Choose a largest set of points no two of which are nearer than a distance.
-
-    A point stays where it ranks before all its neighbours that are still undecided (Luby 1986);
-    its neighbours go. That equals throwing the points one after the other by rank.
-
-    Parameters
-    ----------
-    points : ndarray
-        (n, 2).
-    priority : ndarray
-        A permutation of 0..n-1; lower ranks win.
-    distance : float
-        Same unit as the points.
-    """
-    count = len(points)
-    chosen, undecided = np.zeros(count, dtype=bool), np.ones(count, dtype=bool)
-    pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
-    first, second = pairs[:, 0], pairs[:, 1]
-    while undecided.any():
-        best = np.full(count, count)
-        np.minimum.at(best, first, priority[second])
-        np.minimum.at(best, second, priority[first])
-        new = undecided & (priority < best)
-        chosen |= new
-        undecided &= ~new
-        undecided[second[new[first]]] = False
-        undecided[first[new[second]]] = False
-        keep = undecided[first] & undecided[second]
-        first, second = first[keep], second[keep]
-    return chosen
-
-
-def blue_noise(grid: Grid, ice: Flags, elements: int, generator: np.random.Generator) -> Array:
-    """Poisson-disc points over the ice, exactly as many as asked for.
+def samples(grid: Grid, ice: Flags, elements: int, size: Array) -> Samples:
+    """Sub-cell centres of the ice cells, as many an element everywhere.
 
     Parameters
     ----------
@@ -128,30 +89,72 @@ def blue_noise(grid: Grid, ice: Flags, elements: int, generator: np.random.Gener
     ice : ndarray
         Cells with ice, (ny, nx).
     elements : int
-        How many; 1 or more.
+        How many elements there will be.
+    size : ndarray
+        Their relative size, (ny, nx).
+    """
+    cell = np.flatnonzero(ice)
+    density = size.ravel()[cell] ** -2.0
+    wanted = SAMPLES_PER_ELEMENT * elements * density / density.sum()
+    per_side = np.maximum(2, np.ceil(np.sqrt(wanted) - 1e-9)).astype(np.int64)
+    row, column = np.divmod(cell, grid.x.size)
+    start = np.concatenate([[0], np.cumsum(per_side**2)])
+    of = np.repeat(np.arange(cell.size), per_side**2)
+    down, right = np.divmod(np.arange(start[-1]) - start[of], per_side[of])
+    x, y = (
+        axis[place][of] + ((off + 0.5) / per_side[of] - 0.5) * grid.spacing
+        for axis, place, off in ((grid.x, column, right), (grid.y, row, down))
+    )
+    area = (grid.spacing / per_side[of]) ** 2
+    return Samples(np.stack([x, y], axis=1), cell[of], area, area * density[of] ** 2)
+
+
+def blue_noise(
+    grid: Grid, ice: Flags, size: Array, factor: Array, generator: np.random.Generator
+) -> tuple[Array, Array]:
+    """Poisson-disc points over the ice, exactly as many as asked for.
+
+    Parameters
+    ----------
+    grid : Grid
+        The mask grid.
+    ice : ndarray
+        Cells with ice, (ny, nx).
+    size : ndarray
+        Relative size of the elements, (ny, nx).
+    factor : ndarray
+        Each element's own size over that of its place, (n,); as many points are wanted.
     generator : numpy.random.Generator
         The only source of chance.
 
     Returns
     -------
-    ndarray
-        (elements, 2) in metres.
+    points, factor : ndarray
+        (n, 2) in metres, and (n,): which point has which factor.
     """
-    cells = np.flatnonzero(ice)
+    cells, elements = np.flatnonzero(ice), len(factor)
     count = CANDIDATES_PER_ELEMENT * elements
-    row, column = np.divmod(generator.choice(cells, count), grid.x.size)
+    density = size.ravel()[cells] ** -2.0
+    even = bool(np.all(density == density[0]))
+    picked = generator.choice(cells, count, p=None if even else density / density.sum())
+    row, column = np.divmod(picked, grid.x.size)
     jitter = generator.random((count, 2)) * grid.spacing
     points = np.stack([grid.x_edges[column], grid.y_edges[row]], axis=1) + jitter
+    own = np.resize(factor, count)
     priority = generator.permutation(count)
-    distance = np.sqrt(POISSON_DENSITY * cells.size * grid.spacing**2 / elements)
-    chosen = thin(points, priority, distance)
+    area = grid.spacing**2 * density.sum() / elements
+    reach = np.sqrt(POISSON_DENSITY * area) * size.ravel()[picked] * own
+    chosen = thin(points, priority, reach)
     while chosen.sum() < elements:
-        distance *= 0.96
-        chosen = thin(points, priority, distance)
+        reach *= 0.96
+        chosen = thin(points, priority, reach)
     found = np.flatnonzero(chosen)
     # The last thrown go; the relaxation closes their gaps.
-    kept = found[np.argsort(priority[found])][:elements]
-    return points[np.sort(kept)]
+    kept = np.sort(found[np.argsort(priority[found])][:elements])
+    # Small ones find room more easily: the wanted sizes go to the places by rank.
+    sizes = np.empty(elements)
+    sizes[np.argsort(own[kept], kind="stable")] = np.sort(factor)
+    return points[kept], sizes
 
 
 def on_ice(grid: Grid, ice: Flags, points: Array) -> Flags:
@@ -163,7 +166,14 @@ def on_ice(grid: Grid, ice: Flags, points: Array) -> Flags:
     return np.asarray(ice[row, column] & inside)
 
 
-def lloyd(grid: Grid, ice: Flags, points: Array, marks: Array, steps: int) -> Array:
+def lloyd(
+    grid: Grid,
+    ice: Flags,
+    points: Array,
+    marks: Samples,
+    steps: int,
+    weight: Array | None = None,
+) -> Array:
     """Move points to the centroids of their Voronoi cells, clipped to the ice (Lloyd 1982).
 
     A centroid off the ice (of a cell bent around land) goes to the cell's nearest sample.
@@ -174,27 +184,36 @@ def lloyd(grid: Grid, ice: Flags, points: Array, marks: Array, steps: int) -> Ar
         Mask grid and its ice cells.
     points : ndarray
         (n, 2) in metres.
-    marks : ndarray
-        Samples of the ice, (m, 2).
+    marks : Samples
+        Samples of the ice.
     steps : int
         Relaxations.
+    weight : ndarray, optional
+        Squared radii (m2), (n,): cells of the power diagram instead, whose weights are adjusted in
+        each step so that areas go as the squared radii (Aurenhammer, Hoffmann and Aronov 1998,
+        doi 10.1007/PL00009187).
     """
     points = points.copy()
+    wanted = np.zeros(0) if weight is None else weight * (marks.area.sum() / weight.sum())
     for _ in range(steps):
-        _, owner = cKDTree(points).query(marks)
-        count = np.bincount(owner, minlength=len(points))
-        has = count > 0
+        owner = owners(points, marks.points, weight)
+        if weight is not None:
+            lack = wanted - np.bincount(owner, weights=marks.area, minlength=len(points))
+            weight = np.maximum(weight + ADJUST / np.pi * lack, 0.0)
+        total = np.bincount(owner, weights=marks.pull, minlength=len(points))
+        has = total > 0
         for axis in (0, 1):
-            total = np.bincount(owner, weights=marks[:, axis], minlength=len(points))
-            points[has, axis] = total[has] / count[has]
-        points = _back_on_ice(grid, ice, points, marks, owner)
+            amount = marks.pull * marks.points[:, axis]
+            moved = np.bincount(owner, weights=amount, minlength=len(points))
+            points[has, axis] = moved[has] / total[has]
+        points = _back_on_ice(grid, ice, points, marks.points, owner)
     return points
 
 
-def shares(points: Array, marks: Array) -> Array:
-    """Share of the samples (m, 2) that is nearest to each point (n, 2), (n,)."""
-    _, owner = cKDTree(points).query(marks)
-    return np.bincount(owner, minlength=len(points)) / len(marks)
+def cell_areas(points: Array, marks: Samples, weight: Array | None = None) -> Array:
+    """Area (m2) of the samples that belong to each point (n, 2), (n,)."""
+    owner = owners(points, marks.points, weight)
+    return np.bincount(owner, weights=marks.area, minlength=len(points)).astype(float)
 
 
 def _back_on_ice(grid: Grid, ice: Flags, points: Array, marks: Array, owner: Index) -> Array:
@@ -209,7 +228,7 @@ def _back_on_ice(grid: Grid, ice: Flags, points: Array, marks: Array, owner: Ind
 
 
 def islands_without(
-    grid: Grid, ice: Flags, points: Array, marks: Array, mark_cells: Index, smallest: float
+    grid: Grid, ice: Flags, points: Array, marks: Samples, smallest: Array
 ) -> Array:
     """One more point for each separate patch of ice that has none and is large enough.
 
@@ -219,10 +238,11 @@ def islands_without(
         Mask grid and its ice cells; patches are joined through the sides of cells.
     points : ndarray
         Points so far, (n, 2).
-    marks, mark_cells : ndarray
-        Samples of the ice and their flat cells.
-    smallest : float
-        Patches smaller than this (m2) get none; their area goes to the nearest element.
+    marks : Samples
+        Samples of the ice.
+    smallest : ndarray
+        Patches smaller than this (m2, by place, (ny, nx)) get none; their area goes to the nearest
+        element.
 
     Returns
     -------
@@ -232,12 +252,15 @@ def islands_without(
     patch, count = label(ice)
     row, column = grid.cell_of(points[:, 0], points[:, 1])
     held = np.bincount(patch[row, column], minlength=count + 1)
-    size = np.bincount(patch.ravel(), minlength=count + 1) * grid.spacing**2
-    lacking = np.flatnonzero((held == 0) & (size >= smallest))
-    of_mark = patch.ravel()[mark_cells]
+    room = np.bincount(patch.ravel(), 1.0 / smallest.ravel(), minlength=count + 1)
+    lacking = (held == 0) & (room * grid.spacing**2 >= 1.0)
+    lacking[0] = False
+    of_mark = patch.ravel()[marks.cell]
+    rows = np.flatnonzero(lacking[of_mark])
+    rows = rows[np.argsort(of_mark[rows], kind="stable")]
     added = []
-    for number in lacking[lacking > 0]:
-        mine = marks[of_mark == number]
-        off = mine - mine.mean(axis=0)
-        added.append(mine[np.argmin((off**2).sum(axis=1))])
+    for mine in np.split(rows, np.flatnonzero(np.diff(of_mark[rows])) + 1):
+        if len(mine):
+            off = marks.points[mine] - marks.points[mine].mean(axis=0)
+            added.append(marks.points[mine[np.argmin((off**2).sum(axis=1))]])
     return np.array(added).reshape(-1, 2)

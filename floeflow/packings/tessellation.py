@@ -15,7 +15,9 @@ import shapely
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from floeflow.core.clip import shared
 from floeflow.core.grids import Grid
+from floeflow.state.cells import rings_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -166,17 +168,34 @@ def overlay(polygons: NDArray[np.object_], grid: Grid, ice: Flags) -> Overlay:
     grid, ice
         Mask grid and its ice cells.
     """
-    cells = np.flatnonzero(ice)
-    boxes = cell_boxes(grid, cells)
-    element, box = shapely.STRtree(boxes).query(polygons, predicate="intersects")
-    order = np.lexsort((box, element))
-    element, box = element[order], box[order]
-    area = shapely.area(shapely.intersection(polygons[element], boxes[box]))
+    start, ring = rings_of(polygons)
+    element, cell = _near_cells(grid, ice, shapely.bounds(polygons))
+    cells, box = np.unique(cell, return_inverse=True)
+    row, column = np.divmod(cells, grid.x.size)
+    x, y = grid.x_edges, grid.y_edges
+    west, south, east, north = x[column], y[row], x[column + 1], y[row + 1]
+    corners = np.stack([west, south, east, south, east, north, west, north], axis=1)
+    fours = 4 * np.arange(cells.size + 1)
+    area, _ = shared(fours, corners.reshape(-1, 2), start, ring, box, element)
     some = area > 0
     element, box, area = element[some], box[some], area[some]
     total = np.bincount(box, weights=area, minlength=cells.size)
     scale = grid.spacing**2 / total
     return Overlay(element, cells[box], area * scale[box], float(np.abs(scale - 1.0).max()))
+
+
+def _near_cells(grid: Grid, ice: Flags, bounds: Array) -> tuple[Index, Index]:
+    """Pairs of polygon and flat ice cell whose rectangles meet, sorted."""
+    first_row, first_column = grid.cell_of(bounds[:, 0], bounds[:, 1])
+    last_row, last_column = grid.cell_of(bounds[:, 2], bounds[:, 3])
+    wide = last_column - first_column + 1
+    count = wide * (last_row - first_row + 1)
+    of = np.repeat(np.arange(len(bounds)), count)
+    rank = np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
+    up, right = np.divmod(rank, wide[of])
+    cell = (first_row[of] + up) * grid.x.size + first_column[of] + right
+    has = ice.ravel()[cell]
+    return of[has], cell[has]
 
 
 def cell_boxes(grid: Grid, cells: Index) -> NDArray[np.object_]:

@@ -101,6 +101,7 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
             "cards": wording.cards(headline, total),
             "changed": [key for key in keys if key.differs],
             "keys": keys,
+            "packing": wording.packing_figures(material.packing),
             "effects": there,
             "absent": absent,
             "inputs": material.inputs,

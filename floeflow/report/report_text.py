@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
+import xarray as xr
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
@@ -240,3 +241,12 @@ def _flat(text: str) -> list[tuple[str, str]]:
     if isinstance(data, dict):
         return [(f"State: {key}", str(value)) for key, value in data.items()]
     return [("State", text)] if text else []
+
+
+def packing_figures(packing: xr.Dataset) -> list[tuple[str, float, str]]:
+    """What the packing says of its own quality: meaning, value and unit."""
+    return [
+        (str(item.attrs["long_name"]), float(item), str(item.attrs["units"]))
+        for name, item in packing.data_vars.items()
+        if str(name).startswith("quality_")
+    ]

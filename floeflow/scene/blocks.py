@@ -67,6 +67,25 @@ class Flags(Block):
     water: tuple[int, ...] = key((), "Numbers that mean open water.")
 
 
+class Labels(Block):
+    """A labelled image of floes, which then is the mask (read with packing.generator floes)."""
+
+    file: str = key(
+        "",
+        "GeoTIFF, PNG or NetCDF file whose pixels hold the number of their floe, 0 for none; path "
+        "from the project's folder.",
+    )
+    variable: str = key("", "Variable of a NetCDF file; empty: the only one on two dimensions.")
+    crs: str = key("", "Projection of an image that does not say its own (pyproj name).")
+    pixel: float = key(
+        0.0,
+        "Side of a pixel of an image that does not say where it lies: its upper left corner is the "
+        "scene's.",
+        "m",
+        ge=0,
+    )
+
+
 class Mask(Block):
     """Where there is ice, how much, and where there is land."""
 
@@ -127,13 +146,83 @@ class Mask(Block):
     snow_thickness: float = key(
         0.2, "Snow on the ice at the start (read with thermodynamics).", "m", ge=0, le=5
     )
+    labels: Labels = key(Labels(), "Labelled image of floes.")
+
+
+class Sizes(Block):
+    """Where elements are smaller than elsewhere, and how much they differ among themselves."""
+
+    coast: float = key(
+        1.0, "Size of elements at the coast, as a share of that far away.", "1", gt=0, le=1
+    )
+    edge: float = key(
+        1.0, "Size of elements at the ice edge, as a share of that far away.", "1", gt=0, le=1
+    )
+    across: float = key(
+        0.0, "Elements across a strait, as many at least; 0: not asked for.", "1", ge=0, le=100
+    )
+    polygons: str = key(
+        "",
+        "GeoJSON file of polygons with a property `size`: the size of elements in each, as a share "
+        "of that far away.",
+    )
+    reach: float = key(
+        3.0e5, "Elements grow from coast, edge or polygon to full size over this.", "m", gt=0
+    )
+    smallest: float = key(
+        0.1, "No element is smaller than this share of those far away.", "1", gt=0, le=1
+    )
+    spread: float = key(
+        0.0,
+        "Spread of sizes of neighbours: standard deviation of the logarithm of the diameter.",
+        "1",
+        ge=0,
+        le=0.4,
+    )
+
+
+class Discs(Block):
+    """Whole floes as discs (read with packing.generator dense)."""
+
+    sizes: Literal["equal", "bidisperse", "lognormal", "power_law"] = key(
+        "lognormal", "Distribution of the radii."
+    )
+    ratio: float = key(1.4, "Radius of the larger half over that of the smaller.", "1", ge=1, le=5)
+    spread: float = key(
+        0.3, "Standard deviation of the logarithm of lognormal radii.", "1", ge=0, le=1
+    )
+    exponent: float = key(
+        3.0, "Of a power law: floes of radius r are in number as r to minus this.", "1", ge=0, le=6
+    )
+    smallest: float = key(
+        0.5, "Lower cut-off, over the median radius, or of the power law.", "1", gt=0, lt=1
+    )
+    largest: float = key(
+        2.0, "Upper cut-off, over the median radius, or of the power law.", "1", gt=1, le=20
+    )
+    fill: float = key(
+        0.8,
+        "Largest share of the plane that discs fill; random packs jam near 0.84 (two sizes).",
+        "1",
+        gt=0,
+        le=0.88,
+    )
+    overlap: float = key(
+        1.0e-3, "Largest overlap after compaction, over two radii.", "1", ge=1e-6, le=0.05
+    )
 
 
 class Packing(Block):
     """How the ice is cut into elements."""
 
+    generator: Literal["tessellation", "dense", "floes"] = key(
+        "tessellation",
+        "Cells that fill the ice, discs packed densely, or the floes of a labelled image.",
+    )
     elements: int = key(5000, "Number of elements to aim at.", ge=1, le=2_000_000)
     relaxations: int = key(20, "Lloyd relaxations of the first points.", ge=0, le=1000)
+    size: Sizes = key(Sizes(), "Sizes of the elements of a tessellation.")
+    discs: Discs = key(Discs(), "Whole floes of a dense pack.")
     bond_gap: float = key(
         0.2,
         "Neighbours bond where the gap of their discs is under this share of their radii's sum.",

@@ -48,8 +48,33 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("effect 'ponds' needs column.scheme 'bl99' or 'mushy'")
     if "redistribution" in scene.effects and scene.column.categories < 2:
         raise FloeError("effect 'redistribution' needs column.categories of 2 or more")
+    _check_generator(scene)
     if scene.packing.coast_bonds and not {"bonds", "coast"} <= set(scene.effects):
         raise FloeError("packing.coast_bonds needs the effects 'bonds' and 'coast'")
+
+
+def _check_generator(scene: Scene) -> None:
+    generator, labels = scene.packing.generator, scene.mask.labels
+    if generator == "floes" and not labels.file:
+        raise FloeError("packing.generator is 'floes' but mask.labels.file names no image of floes")
+    if generator == "floes" and scene.mask.land == "mask":
+        raise FloeError("mask.land is 'mask', but a labelled image of floes shows no land")
+    if generator != "floes" and labels != type(labels)():
+        raise FloeError(
+            f"mask.labels is given but packing.generator is '{generator}', which reads no labels"
+        )
+    discs = scene.packing.discs
+    if generator != "dense" and discs != type(discs)():
+        raise FloeError("packing.discs is read by packing.generator 'dense' alone")
+    if generator != "tessellation":
+        size = scene.packing.size
+        if size != type(size)():
+            raise FloeError("packing.size is read by packing.generator 'tessellation' alone")
+        if "remap" in scene.effects:
+            raise FloeError(
+                "effect 'remap' makes cells that fill the sea anew; with packing.generator "
+                f"'{generator}' the floes would be lost"
+            )
 
 
 def _check_step(scene: Scene) -> None:

@@ -20,7 +20,7 @@ from floeflow.scene.effects import forcing_variables
 FORCING_VARIABLES = "effects: forcing variables"
 STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "land": ("domain", "mask.refine", "mask.land"),
-    "mask": ("domain", "mask", "time.start"),
+    "mask": ("domain", "mask", "packing.generator", "time.start"),
     "packing": ("seed", "packing", "effects.coast"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
     "forcing": ("domain", "forcing", "time.start", "time.window", FORCING_VARIABLES),

@@ -47,8 +47,9 @@ def made(stage, name, effect=None):
 
 
 def mask_file(wildcards):
-    """The user's ice mask."""
-    return SCENES.scene(wildcards.scene).mask.file
+    """The user's ice mask, or labelled image of floes."""
+    mask = SCENES.scene(wildcards.scene).mask
+    return mask.labels.file or mask.file
 
 
 def land_file(wildcards):

@@ -54,6 +54,9 @@ class EngineParams:
     reach : float, optional
         Neighbours are kept up to this multiple of the sum of radii; from what a bond survives
         where absent.
+    period : tuple of float, optional
+        West, south, east and north edge (m) of a rectangle that repeats itself in both directions;
+        absent: the plane has no ends.
     """
 
     time_step: float
@@ -86,6 +89,7 @@ class EngineParams:
     exact_losses: bool = False
     skin: float | None = None
     reach: float | None = None
+    period: tuple[float, float, float, float] | None = None
 
     def __post_init__(self) -> None:
         positive = {
@@ -101,7 +105,7 @@ class EngineParams:
         }
         for item in fields(self):
             value = getattr(self, item.name)
-            if isinstance(value, bool | str) or value is None:
+            if isinstance(value, bool | str | tuple) or value is None:
                 continue
             # NumPy's scalars do not print as the plain numbers that LIGGGHTS reads.
             object.__setattr__(self, item.name, float(value))
@@ -111,6 +115,8 @@ class EngineParams:
                 raise FloeError(f"{item.name} must be above 0, not {value}.")
             if item.name != "turning_angle" and value < 0:
                 raise FloeError(f"{item.name} must not be negative, not {value}.")
+        if self.period is not None:
+            _check_period(self.period)
         if self.poisson_ratio >= 0.5:
             raise FloeError(f"poisson_ratio must be below 0.5, not {self.poisson_ratio}.")
         if self.friction_angle >= math.pi / 2:
@@ -178,6 +184,12 @@ class EngineParams:
             f" air_drag {self.wind_stress_factor!r} water_drag {self.ocean_stress_factor!r}"
             f" turning_angle {self.turning_angle!r}"
         )
+
+
+def _check_period(period: tuple[float, float, float, float]) -> None:
+    west, south, east, north = period
+    if not all(math.isfinite(edge) for edge in period) or west >= east or south >= north:
+        raise FloeError(f"period must be west, south, east and north edges, not {period}.")
 
 
 def _yes(flag: bool) -> str:

@@ -46,8 +46,14 @@ def setup_commands(elements: Arrays, params: EngineParams, reach: float) -> list
     margin = 2.0 * float(elements["radius"].max()) * reach + skin
     low = [float(elements[axis].min()) - margin for axis in ("x", "y")]
     high = [float(elements[axis].max()) + margin for axis in ("x", "y")]
+    plane: tuple[str, ...] = PLANE
+    if params.period is not None:
+        low, high = (
+            [float(edge) for edge in edges] for edges in (params.period[:2], params.period[2:])
+        )
+        plane = tuple("boundary p p p" if line.startswith("boundary") else line for line in PLANE)
     return [
-        *PLANE,
+        *plane,
         # As deep as wide neighbourhoods: LIGGGHTS refuses to bin a flat box.
         f"region box block {low[0]!r} {high[0]!r} {low[1]!r} {high[1]!r}"
         f" {-margin!r} {margin!r} units box",

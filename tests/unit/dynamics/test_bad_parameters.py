@@ -26,7 +26,9 @@ MAY_BE_ZERO = {
     *("poisson_ratio", "bond_damping", "tensile_share", "contact_damping"),
     *("friction_coefficient", "ridge_hardening", "wind_stress_factor", "ocean_stress_factor"),
 }
-NUMBERS = [f.name for f in dataclasses.fields(EngineParams) if "float" in str(f.type)]
+NUMBERS = [
+    f.name for f in dataclasses.fields(EngineParams) if str(f.type) in ("float", "float | None")
+]
 KEYS = [name for name, info in Dynamics.model_fields.items() if info.annotation is float]
 # What the plugin's commands take from EngineParams, by the words of the command.
 PLUGIN = (
@@ -52,6 +54,14 @@ def test_a_number_of_the_engine_is_refused(name: str) -> None:
     if name not in SIGNED | MAY_BE_ZERO:
         with pytest.raises(FloeError, match=rf"^{name} must "):
             EngineParams(**{"time_step": 1.0, name: 0.0})
+
+
+@pytest.mark.parametrize(
+    "period", [(0.0, 0.0, 0.0, 1.0), (0.0, 2.0, 1.0, 1.0), (0.0, 0.0, math.nan, 1.0)]
+)
+def test_a_period_that_is_no_rectangle_is_refused(period: tuple[float, ...]) -> None:
+    with pytest.raises(FloeError, match="^period must be west, south, east and north edges"):
+        EngineParams(time_step=1.0, period=period)
 
 
 @pytest.mark.parametrize("name", KEYS)

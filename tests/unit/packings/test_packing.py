@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from floeflow.packings import bonds, packing, tessellation
+from floeflow.packings.elements import grid_of
 from floeflow.scene.blocks import Packing
 from floeflow.state.files import checksum
 
@@ -82,7 +83,7 @@ def check_sums(mask: xr.Dataset, packed: xr.Dataset) -> None:
 
 def check_places(mask: xr.Dataset, packed: xr.Dataset) -> None:
     """Mobile elements on ice, coast elements on land, all on the grid."""
-    grid, x, y = packing.grid_of(mask), packed["x"].values, packed["y"].values
+    grid, x, y = grid_of(mask), packed["x"].values, packed["y"].values
     assert ((x >= grid.x_edges[0]) & (x <= grid.x_edges[-1])).all()
     assert ((y >= grid.y_edges[0]) & (y <= grid.y_edges[-1])).all()
     row, column = grid.cell_of(x, y)
@@ -120,7 +121,7 @@ def test_discs_lie_in_their_power_cells(mask: xr.Dataset, packed: xr.Dataset) ->
     is_mobile = mobile(packed)
     places = np.stack([packed["x"].values, packed["y"].values], axis=1)[is_mobile]
     radius = packed["radius"].values[is_mobile]
-    diagram = tessellation.power_diagram(places, radius, packing.grid_of(mask))
+    diagram = tessellation.power_diagram(places, radius, grid_of(mask))
     rim = shapely.boundary(diagram.polygons)
     inside = shapely.contains(diagram.polygons, shapely.points(places))
     assert inside.all()
@@ -192,7 +193,7 @@ def test_edges_have_equal_power_to_both_discs(packed: xr.Dataset) -> None:
 
 
 def test_edges_lie_over_the_ice(mask: xr.Dataset, packed: xr.Dataset) -> None:
-    grid = packing.grid_of(mask)
+    grid = grid_of(mask)
     for share in (0.01, 0.5, 0.99):
         px = packed["edge_ax"].values * (1 - share) + packed["edge_bx"].values * share
         py = packed["edge_ay"].values * (1 - share) + packed["edge_by"].values * share
@@ -204,7 +205,7 @@ def test_coast_leaves_no_gap_for_a_mean_element(mask: xr.Dataset, packed: xr.Dat
     """Every side between ice and land has a coast disc within a mean diameter."""
     ice, land = mask["siconc"].values > 0, mask["land"].values > 0
     row, column = np.nonzero(ice[:, :-1] & land[:, 1:])
-    grid = packing.grid_of(mask)
+    grid = grid_of(mask)
     middle = np.stack([grid.x_edges[column + 1], grid.y[row]], axis=1)
     is_mobile = mobile(packed)
     coast = np.stack([packed["x"].values, packed["y"].values], axis=1)[~is_mobile]
@@ -215,7 +216,7 @@ def test_coast_leaves_no_gap_for_a_mean_element(mask: xr.Dataset, packed: xr.Dat
 
 def test_large_patches_have_an_element_of_their_own(mask: xr.Dataset) -> None:
     """A lone ice cell of more than half an element's area holds one, whatever the seed."""
-    grid = packing.grid_of(mask)
+    grid = grid_of(mask)
     lone = np.zeros(grid.shape, dtype=bool)
     lone[2, 36] = True
     cells = int((mask["siconc"].values > 0).sum())

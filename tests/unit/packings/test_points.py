@@ -41,7 +41,8 @@ def test_thinning_is_a_largest_set_apart() -> None:
 def test_blue_noise_keeps_its_distance() -> None:
     grid = Grid(np.arange(20) + 0.5, np.arange(20) + 0.5, 1.0, 0.0, 0.0)
     ice = np.ones((20, 20), dtype=bool)
-    found = points.blue_noise(grid, ice, 200, np.random.Generator(np.random.PCG64(5)))
+    generator = np.random.Generator(np.random.PCG64(5))
+    found, _ = points.blue_noise(grid, ice, np.ones((20, 20)), np.ones(200), generator)
     assert len(found) == 200
     distance = np.hypot(*(found[:, None] - found).transpose(2, 0, 1))
     np.fill_diagonal(distance, np.inf)

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Polygons of a GeoJSON file (RFC 7946: longitudes and latitudes) in a projection."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyproj
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import shape
+
+from floeflow.core.errors import FloeError
+
+Array = NDArray[np.float64]
+
+# Sides longer than this (degrees) are divided, as they are bent on the map.
+LONGEST_SIDE = 0.25
+MAX_BYTES = 50_000_000
+
+
+def read_polygons(path: str | Path, crs: str) -> list[tuple[shapely.Geometry, dict[str, Any]]]:
+    """Polygons and their properties.
+
+    Parameters
+    ----------
+    path : str or Path
+        GeoJSON file of a Polygon or MultiPolygon, a Feature or a FeatureCollection.
+    crs : str
+        Projection to bring them to (pyproj name).
+
+    Returns
+    -------
+    list of (shapely.Geometry, dict)
+        Valid polygons in projected metres, with the properties of their features.
+
+    Raises
+    ------
+    FloeError
+        One sentence: no file, no GeoJSON, no polygon, places that are none.
+    """
+    path = Path(path)
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise FloeError(f"{path}: polygons of over {MAX_BYTES} bytes are not read")
+        data = json.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise FloeError(f"{path}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError):
+        raise FloeError(f"{path}: this is no GeoJSON") from None
+    found = []
+    for number, feature in enumerate(_features(data, path), start=1):
+        name = f"{path}: feature {number}"
+        properties = feature.get("properties") or {}
+        found.append((project(_polygon(feature, name), crs, name), properties))
+    if not found:
+        raise FloeError(f"{path}: holds no polygon")
+    return found
+
+
+def _features(data: Any, path: Path) -> list[dict[str, Any]]:
+    kind = data.get("type") if isinstance(data, dict) else None
+    if kind == "FeatureCollection":
+        features = data.get("features")
+        if isinstance(features, list) and all(isinstance(each, dict) for each in features):
+            return features
+    elif kind == "Feature":
+        return [data]
+    elif kind in ("Polygon", "MultiPolygon"):
+        return [{"geometry": data}]
+    raise FloeError(f"{path}: this is no GeoJSON of polygons")
+
+
+def _polygon(feature: dict[str, Any], name: str) -> shapely.Geometry:
+    geometry = feature.get("geometry")
+    kind = geometry.get("type") if isinstance(geometry, dict) else None
+    if not isinstance(geometry, dict) or kind not in ("Polygon", "MultiPolygon"):
+        raise FloeError(f"{name} is a {kind or 'nothing'}, not a Polygon or MultiPolygon")
+    try:
+        found = shape(geometry)
+    except (ValueError, TypeError, LookupError, AttributeError, shapely.errors.ShapelyError):
+        raise FloeError(f"{name} has no valid coordinates") from None
+    xy = shapely.get_coordinates(found)
+    if not len(xy) or not np.isfinite(xy).all() or np.abs(xy[:, 1]).max() > 90:
+        raise FloeError(f"{name}: coordinates are longitudes and latitudes in degrees")
+    if np.abs(xy[:, 0]).max() > 360:
+        raise FloeError(f"{name}: coordinates are longitudes and latitudes in degrees")
+    return found
+
+
+def project(polygon: shapely.Geometry, crs: str, name: str) -> shapely.Geometry:
+    """Bring a polygon of longitudes and latitudes to a projection.
+
+    Sides are divided first, along the straight lines of the file in longitude and latitude.
+
+    Raises
+    ------
+    FloeError
+        Where it lies outside of the projection.
+    """
+    target = pyproj.CRS.from_user_input(crs)
+    assert target.geodetic_crs is not None
+    transformer = pyproj.Transformer.from_crs(target.geodetic_crs, target, always_xy=True)
+
+    def move(xy: Array) -> Array:
+        return np.stack(transformer.transform(np.mod(xy[:, 0], 360.0), xy[:, 1]), axis=1)
+
+    moved = shapely.transform(shapely.segmentize(polygon, LONGEST_SIDE), move)
+    if not np.isfinite(shapely.get_coordinates(moved)).all():
+        raise FloeError(f"{name} lies outside of the projection '{target.name}'")
+    return shapely.make_valid(moved, method="structure", keep_collapsed=False)
+
+
+def within(polygon: shapely.Geometry, x: Array, y: Array) -> NDArray[np.bool_]:
+    """Whether points (m) lie in a polygon; as the arrays are shaped."""
+    shapely.prepare(polygon)
+    return np.asarray(shapely.contains_xy(polygon, x, y))

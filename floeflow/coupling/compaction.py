@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Dense packs by the element model: radii grow while damped contacts part the discs.
+
+Growth goes in rounds (after Lubachevsky and Stillinger 1990, doi 10.1007/BF01025983, but without
+heat): in each the discs start at rest, a little larger than before, and run until their overlaps
+have pushed them apart. The last rounds keep the radii, until no overlap exceeds the tolerance.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from floeflow.core.constants import ICE_DENSITY
+from floeflow.core.grids import Grid
+from floeflow.core.near import deepest_overlap
+from floeflow.dynamics.engine.engine import Engine
+from floeflow.dynamics.engine.params import FIXED, EngineParams
+from floeflow.dynamics.step.critical import critical_step
+from floeflow.packings.dense import Compactor
+from floeflow.state.bonds import Arrays
+from floeflow.state.walls import join, plane
+
+Array = NDArray[np.float64]
+
+log = logging.getLogger(__name__)
+
+# Growth of the radii in a round, steps of a round, most rounds at full radii.
+GROWTH, STEPS, MOST_ROUNDS = 0.02, 150, 60
+# Of the critical time step.
+STEP_SHARE = 0.5
+# Contacts nearly without rebound, no friction: a dense pack, not a loose one.
+DAMPING = 0.7
+# The modulus and thickness set only the scale of time.
+MODULUS, THICKNESS = 1.0e8, 1.0
+
+
+@dataclass(frozen=True)
+class Compacted:
+    """Discs after compaction.
+
+    Parameters
+    ----------
+    places : ndarray
+        Centres of the mobile discs (m), (n, 2).
+    overlap : float
+        Largest overlap, as a share of the sum of the two radii.
+    rounds : int
+        Rounds that it took.
+    """
+
+    places: Array
+    overlap: float
+    rounds: int
+
+
+@dataclass(frozen=True)
+class Box:
+    """What holds the discs.
+
+    Parameters
+    ----------
+    fixed, fixed_radius : ndarray
+        Discs that stand (m), (k, 2) and (k,).
+    walls : dict of ndarray, optional
+        Faces as from `floeflow.state.walls`.
+    period : tuple of float, optional
+        West, south, east and north edge (m) of a rectangle that repeats itself.
+    """
+
+    fixed: Array
+    fixed_radius: Array
+    walls: Arrays | None = None
+    period: tuple[float, float, float, float] | None = None
+
+
+def compact(places: Array, radius: Array, box: Box, tolerance: float, folder: Path) -> Compacted:
+    """Part discs until none overlaps another by more than a tolerance, or it cannot be.
+
+    Parameters
+    ----------
+    places, radius : ndarray
+        Centres and wanted radii of the mobile discs (m), (n, 2) and (n,).
+    box : Box
+        What holds them.
+    tolerance : float
+        Largest overlap that may be left, as a share of the sum of two radii.
+    folder : Path
+        For LIGGGHTS' log.
+
+    Returns
+    -------
+    Compacted
+        Where they are. Jammed discs keep overlaps above the tolerance, which is said.
+    """
+    radius = np.asarray(radius, float)
+    places = _wrapped(np.asarray(places, float), box)
+    share = 1.0
+    while share > 0.3 and _overlap(places, share * radius, box) > 0.25 * GROWTH:
+        share -= GROWTH
+    rounds = full = 0
+    overlap = _overlap(places, radius, box)
+    while overlap > tolerance and full < MOST_ROUNDS:
+        share = min(1.0, share + GROWTH)
+        places = _round(places, share * radius, box, folder)
+        rounds, full = rounds + 1, full + (share == 1.0)
+        overlap = _overlap(places, radius, box)
+    log.info("compacted in %d rounds; largest overlap %.2e of the radii's sum", rounds, overlap)
+    return Compacted(places, overlap, rounds)
+
+
+def _round(places: Array, radius: Array, box: Box, folder: Path) -> Array:
+    elements = _elements(places, radius, box)
+    params = EngineParams(
+        time_step=1.0,
+        friction=False,
+        contact_modulus=MODULUS,
+        contact_damping=DAMPING,
+        period=box.period,
+    )
+    critical, _ = critical_step(elements, None, params)
+    params = replace(params, time_step=STEP_SHARE * critical)
+    with Engine(MPI.COMM_SELF, params, folder / "compaction.log", box.walls) as engine:
+        engine.load(elements)
+        engine.run(STEPS)
+        moved = engine.elements()
+    mobile = moved["type"] != FIXED
+    return _wrapped(np.stack([moved["x"][mobile], moved["y"][mobile]], axis=1), box)
+
+
+def _elements(places: Array, radius: Array, box: Box) -> Arrays:
+    everywhere = np.concatenate([places, box.fixed])
+    wide = np.concatenate([radius, box.fixed_radius])
+    count = len(wide)
+    area = np.pi * wide**2
+    fixed = np.arange(count) >= len(places)
+    zero = {name: np.zeros(count) for name in ("theta", "u", "v", "omega")}
+    return {
+        "id": np.arange(1, count + 1),
+        "type": np.where(fixed, FIXED, 1).astype(np.int8),
+        "x": everywhere[:, 0].copy(),
+        "y": everywhere[:, 1].copy(),
+        **zero,
+        "radius": wide,
+        "mass": ICE_DENSITY * THICKNESS * area,
+        "thickness": np.full(count, THICKNESS),
+        "ice_area": area,
+    }
+
+
+def _overlap(places: Array, radius: Array, box: Box) -> float:
+    everywhere = np.concatenate([places, box.fixed])
+    wide = np.concatenate([radius, box.fixed_radius])
+    return deepest_overlap(everywhere, wide, len(places), box.period)
+
+
+def _wrapped(places: Array, box: Box) -> Array:
+    if box.period is None:
+        return places
+    low, high = np.array(box.period[:2]), np.array(box.period[2:])
+    return low + np.mod(places - low, high - low)
+
+
+def compactor(grid: Grid, folder: Path) -> Compactor:
+    """Compaction by the element model within the rectangle of a grid."""
+    (west, east), (south, north) = grid.x_edges[[0, -1]], grid.y_edges[[0, -1]]
+    low, high = (float(west), float(south)), (float(east), float(north))
+    sides = [
+        plane(*low, (1.0, 0.0)),
+        plane(*low, (0.0, 1.0)),
+        plane(*high, (-1.0, 0.0)),
+        plane(*high, (0.0, -1.0)),
+    ]
+    walls = join(sides)
+
+    def run(
+        places: Array, radius: Array, fixed: Array, fixed_radius: Array, overlap: float
+    ) -> Array:
+        return compact(places, radius, Box(fixed, fixed_radius, walls), overlap, folder).places
+
+    return run
