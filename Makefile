@@ -10,7 +10,8 @@ MAKEFLAGS += --no-print-directory
 SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
 FUZZ_SECONDS ?= 300
-export PYTHON LIGGGHTS_ROOT NO_APT
+# Recipes read them from the environment: no quote in a value can end a command.
+export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
 .PHONY: help setup run test verification stability fuzz lint bench-dem bench-column bench-remap bench-plan bench studies doctor test-fresh lock clean
 
@@ -22,7 +23,7 @@ setup: ## install what is missing and build the plugin
 
 run: setup ## set up, then run SCENE= and print where its report lies
 	@.venv/bin/snakemake --profile workflows/profiles/local \
-	    --config 'scene=$(SCENE)' $(if $(RANKS),--set-threads windows=$(RANKS))
+	    --config "scene=$$SCENE" $(if $(RANKS),--cores "$$RANKS" --set-threads "windows=$$RANKS")
 
 test: setup lint ## set up, then run lint and every test but the slow ones
 	ctest --test-dir build/liggghts_models --output-on-failure

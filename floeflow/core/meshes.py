@@ -8,6 +8,7 @@ functions here. Polygons go in blocks of one number of corners, the form in whic
 from __future__ import annotations
 
 import io
+import stat
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -115,8 +116,8 @@ def read_triangles(path: Path) -> tuple[Array, Index]:
     FloeError
         Where it cannot be read, has no triangles or other cells, or is not finite.
     """
+    check_mesh_file(path)
     try:
-        path.open("rb").close()
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
             mesh = meshio.read(path)
         cells = {block.type for block in mesh.cells}
@@ -133,6 +134,25 @@ def read_triangles(path: Path) -> tuple[Array, Index]:
     if not np.isfinite(points).all():
         raise FloeError(f"{path}: a corner of the mesh is not finite")
     return points, triangles
+
+
+def check_mesh_file(path: Path) -> None:
+    """Refuse what would hang or fill the memory: no regular file, an STL shorter than it says."""
+    try:
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
+            raise FloeError(f"{path}: is no file, so no mesh can be read from it")
+        with path.open("rb") as file:
+            head = file.read(84)
+    except OSError as error:
+        raise FloeError(f"{path}: the mesh cannot be read: {error.strerror}") from None
+    if path.suffix.lower() == ".stl" and len(head) == 84 and not head.startswith(b"solid"):
+        triangles = int.from_bytes(head[80:], "little")
+        if status.st_size < 84 + 50 * triangles:
+            raise FloeError(
+                f"{path}: says that it holds {triangles} triangles, but ends before: it is damaged "
+                "or not whole"
+            )
 
 
 def write_series(path: Path, files: Sequence[str], times: Sequence[float]) -> None:

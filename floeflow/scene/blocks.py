@@ -41,21 +41,30 @@ def key(default: Any, text: str, unit: str = "", **bounds: Any) -> Any:
     return Field(default, description=text, json_schema_extra=extra, **bounds)
 
 
+# No projection of the earth reaches further (m); no path or paragraph is longer.
+FARTHEST = 5.0e7
+LONGEST_TEXT = 4000
+
+
 class Block(BaseModel):
     """A group of keys. Unknown keys and non-finite numbers are refused; values do not change."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, str_max_length=LONGEST_TEXT
+    )
 
 
 class Domain(Block):
     """Where the scene is: a rectangle in projected metres and its grid."""
 
     crs: str = key("EPSG:6931", "Projected coordinate system in metres (pyproj name).")
-    x_min: float = key(-4.0e6, "Left edge of the scene.", "m")
-    x_max: float = key(4.0e6, "Right edge of the scene.", "m")
-    y_min: float = key(-4.0e6, "Lower edge of the scene.", "m")
-    y_max: float = key(4.0e6, "Upper edge of the scene.", "m")
-    spacing: float = key(1.0e5, "Cell size of the scene grid (forcing, gridded output).", "m", gt=0)
+    x_min: float = key(-4.0e6, "Left edge of the scene.", "m", ge=-FARTHEST, le=FARTHEST)
+    x_max: float = key(4.0e6, "Right edge of the scene.", "m", ge=-FARTHEST, le=FARTHEST)
+    y_min: float = key(-4.0e6, "Lower edge of the scene.", "m", ge=-FARTHEST, le=FARTHEST)
+    y_max: float = key(4.0e6, "Upper edge of the scene.", "m", ge=-FARTHEST, le=FARTHEST)
+    spacing: float = key(
+        1.0e5, "Cell size of the scene grid (forcing, gridded output).", "m", ge=0.01
+    )
 
 
 class Flags(Block):
@@ -324,7 +333,7 @@ class Time(Block):
 
     start: datetime = key(datetime(1981, 12, 31), "Start of the scene (UTC).")
     windows: int = key(5, "Number of coupling windows.", ge=1, le=100_000)
-    window: float = key(86400.0, "Length of a coupling window.", "s", gt=0)
+    window: float = key(86400.0, "Length of a coupling window.", "s", gt=0, le=3.2e7)
 
 
 class Dynamics(Block):
@@ -334,9 +343,9 @@ class Dynamics(Block):
     allow_unstable_step: bool = key(
         False, "Allow a step_share above 1, at which ice may blow up; the run warns."
     )
-    young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", gt=0)
+    young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", ge=1e3, le=1e12)
     poisson_ratio: float = key(0.3, "Poisson's ratio of the ice.", "1", ge=0, lt=0.5)
-    contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", gt=0)
+    contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", ge=1e3, le=1e12)
     friction_coefficient: float = key(0.3, "Coulomb friction of ice on ice.", "1", ge=0, le=2)
     contact_damping: float = key(
         0.3, "Damping of unbonded contact, as a share of critical.", "1", ge=0, le=2

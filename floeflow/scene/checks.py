@@ -7,6 +7,7 @@ import math
 from typing import TYPE_CHECKING
 
 from floeflow.core.errors import FloeError
+from floeflow.scene.windows import window_chunks
 
 if TYPE_CHECKING:
     from floeflow.scene.blocks import Scene
@@ -110,6 +111,8 @@ def _check_domain(scene: Scene) -> None:
 def _check_times(scene: Scene) -> None:
     if scene.time.start.tzinfo is not None:
         raise FloeError("time.start: give UTC without a time zone")
+    # Refuses what would be too many jobs.
+    window_chunks(scene.time.windows, scene.workflow.windows_per_job)
     window = scene.time.window
     if scene.forcing.source == "analytic":
         steps = window / scene.forcing.step
@@ -117,3 +120,17 @@ def _check_times(scene: Scene) -> None:
             raise FloeError(
                 f"forcing.step ({scene.forcing.step:g} s) must divide time.window ({window:g} s)"
             )
+
+
+# Below this an angle in degrees is likely one in radians (rad and degree).
+RADIANS = 1.6
+
+
+def scene_warnings(scene: Scene) -> list[str]:
+    """What a scene may say, but hardly means: a sentence each, with the unit."""
+    found = []
+    for name in ("friction_angle", "turning_angle"):
+        value = getattr(scene.dynamics, name)
+        if name in scene.dynamics.model_fields_set and 0.0 < abs(value) < RADIANS:
+            found.append(f"dynamics.{name} is {value:g} degrees; was it meant in radians?")
+    return found

@@ -18,6 +18,9 @@ from floeflow.scene.checks import check_combinations
 from floeflow.scene.effects import check_effects
 
 MAX_BYTES = 1_000_000
+# Longer whole numbers are no setting, and Python may refuse to print them.
+MAX_BITS = 64
+KINDS = {"int": "whole number", "float": "number", "bool": "truth value", "timestamp": "date"}
 
 # Picks the effects of a scene with ``effects: auto``: `floeflow.analysis.resolve` has one.
 Chooser = Callable[[Scene], tuple[str, ...]]
@@ -35,6 +38,30 @@ class _SceneLoader(yaml.SafeLoader):
                 raise FloeError(f"key '{name}' is given twice (line {line})")
             seen.add(name)
         return super().construct_mapping(node, deep)
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        """Construct a value; one that is not what its form or tag says is refused by its line."""
+        try:
+            value = super().construct_object(node, deep)
+        except (ValueError, KeyError, AttributeError, TypeError, ArithmeticError) as error:
+            kind = KINDS.get(node.tag.rpartition(":")[2], "value")
+            why = f": {error}" if kind == "date" and "must be in" in str(error) else ""
+            raise FloeError(_at(node, f"is no {kind}{why}")) from None
+        if isinstance(value, int) and value.bit_length() > MAX_BITS:
+            raise FloeError(_at(node, "is a number of too many digits"))
+        if isinstance(value, str):
+            try:
+                value.encode()
+            except UnicodeEncodeError:
+                raise FloeError(_at(node, "holds half of a character")) from None
+        return value
+
+
+def _at(node: yaml.Node, fault: str) -> str:
+    """Sentence for a value of a scene file that is no such thing."""
+    text = ascii(str(node.value))
+    shown = text if len(text) <= 42 else f"{text[:40]}...'"
+    return f"line {node.start_mark.line + 1}: {shown} {fault}"
 
 
 def load_scene(path: str | Path, choose: Chooser | None = None) -> Scene:

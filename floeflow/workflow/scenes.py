@@ -9,8 +9,12 @@ a study's variant. All refusals are one sentence and exit code 1.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import sys
+import tempfile
+import traceback
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,10 +27,12 @@ from floeflow.analysis.studies.variants import variant_scene
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import claim_scene, clear_stale_locks
+from floeflow.core.meshes import check_mesh_file
 from floeflow.core.plugin import plugin_path
 from floeflow.forcings.inputs import check_forcing_file
 from floeflow.masks.mask_file import check_mask_file
 from floeflow.scene import Scene
+from floeflow.scene.checks import scene_warnings
 from floeflow.scene.hashes import chain_hash
 from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
@@ -92,7 +98,7 @@ class Scenes:
         self._main = bool(workflow.is_main_process)
         looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
         self._writes = self._main and not (workflow.output_settings.dryrun or looking)
-        try:
+        with refused_in_a_sentence("the scene"):
             self._plugin = plugin_path(Path(workflow.basedir))
             for name in config:
                 if name not in CONFIG_KEYS:
@@ -101,8 +107,6 @@ class Scenes:
             self._path = Path(str(config.setdefault("scene", DEFAULT_SCENE)))
             self.default = str(read_keys(self._path).get("name", self._path.stem))
             self.run(self.default)
-        except FloeError as error:
-            _leave(error)
 
     @property
     def plugin(self) -> str:
@@ -112,10 +116,8 @@ class Scenes:
     def run(self, name: str) -> Run:
         """The run of a scene's name."""
         if name not in self._runs:
-            try:
+            with refused_in_a_sentence(name):
                 self._runs[name] = self._resolve(name) if self._main else self._read(name)
-            except FloeError as error:
-                _leave(error)
         return self._runs[name]
 
     def scene(self, name: str) -> Scene:
@@ -154,13 +156,17 @@ class Scenes:
         return _run(scene, str(chosen["chosen_by"]))
 
     def _resolve(self, name: str) -> Run:
-        base, plus, variant = name.partition(PLUS)
-        if plus:
+        base, _, variant = name.partition(PLUS)
+        if variant and name != self.default:
             run = _run(self._variant(base, variant))
         else:
             path = self._path_of(name)
             scene = resolve_scene(path)
+            for warning in scene_warnings(scene):
+                print(f"floeflow: warning: {warning}", file=sys.stderr, flush=True)
             check_mask_file(scene)
+            if "walls" in scene.effects and scene.walls.mesh:
+                check_mesh_file(Path(scene.walls.mesh))
             if scene.forcing.source == "file":
                 check_forcing_file(scene)
             if self._writes:
@@ -211,6 +217,27 @@ def _run(scene: Scene, chosen_by: str = "scene") -> Run:
     return Run(scene, chunks, chosen_by)
 
 
-def _leave(error: FloeError) -> None:
-    print(f"floeflow: {error}", file=sys.stderr, flush=True)
+@contextlib.contextmanager
+def refused_in_a_sentence(name: str) -> Iterator[None]:
+    """End the program with one sentence and exit code 1 where the body fails.
+
+    A fault of the program itself is told in a sentence too, with the file that has its traceback.
+    """
+    try:
+        yield
+    except FloeError as error:
+        _leave(str(error))
+    except Exception as error:
+        with tempfile.NamedTemporaryFile(
+            "w", prefix="floeflow-", suffix=".log", delete=False, encoding="utf-8"
+        ) as log:
+            traceback.print_exc(file=log)
+        _leave(
+            f"{name} could not be read ({type(error).__name__}: {str(error)[:200]}); this is a "
+            f"fault of the program, please report it with {log.name}"
+        )
+
+
+def _leave(sentence: str) -> None:
+    print(f"floeflow: {sentence}", file=sys.stderr, flush=True)
     sys.exit(1)

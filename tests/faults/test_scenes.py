@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Every faulty scene of the table ends in one sentence at the front door, exit code 1."""
+
+from __future__ import annotations
+
+import os
+import struct
+import subprocess
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import yaml
+
+from floeflow.core.errors import FloeError
+from floeflow.core.meshes import check_mesh_file
+from floeflow.scene.checks import scene_warnings
+from floeflow.scene.load import parse_scene
+from floeflow.workflow import scenes
+from floeflow.workflow.scenes import Scenes
+
+TABLE = yaml.safe_load(Path(__file__).with_name("scenes.yaml").read_text())
+LOOKING = SimpleNamespace(
+    is_main_process=True, basedir=".", output_settings=SimpleNamespace(dryrun=True)
+)
+
+
+def long(text: str) -> str:
+    """The case's text, its mark of length filled in."""
+    head, mark, tail = text.partition("{long}")
+    return head + 5000 * tail[:1] + tail[1:] if mark else text
+
+
+def said(path: Path, capsys: pytest.CaptureFixture[str], config: dict[str, Any]) -> str:
+    """What the front door prints where it refuses a scene."""
+    with pytest.raises(SystemExit) as leave:
+        Scenes({"scene": str(path), **config}, LOOKING)
+    assert leave.value.code == 1
+    error = capsys.readouterr().err
+    assert error.startswith("floeflow: ") and error.count("\n") == 1 and len(error) < 1000
+    return error
+
+
+@pytest.fixture(autouse=True)
+def plugin(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Any file: nothing here runs."""
+    monkeypatch.setenv("FLOEFLOW_PLUGIN", str(tmp_path / "libfloe.so"))
+
+
+@pytest.mark.parametrize("case", TABLE, ids=[str(case["scene"])[:40] for case in TABLE])
+def test_a_faulty_scene_is_refused_in_a_sentence(
+    case: dict[str, str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    path = tmp_path / "scene.yaml"
+    path.write_text(long(case["scene"]) + "\n")
+    assert case["says"] in said(path, capsys, {})
+
+
+def test_a_fault_of_the_program_is_told_with_its_log(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    path = tmp_path / "scene.yaml"
+    path.write_text("seed: 1\n")
+    monkeypatch.setattr(scenes, "resolve_scene", lambda _: 1 / 0)
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    words = said(path, capsys, {})
+    assert "ZeroDivisionError" in words and "fault of the program" in words
+    (log,) = tmp_path.glob("floeflow-*.log")
+    assert str(log) in words and "Traceback" in log.read_text()
+
+
+def test_unknown_configuration_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    assert "--config scen=...: only scene=PATH is known" in said(
+        tmp_path / "scene.yaml", capsys, {"scen": "x"}
+    )
+
+
+def test_meshes_that_would_hang_or_fill_the_memory_are_refused(tmp_path: Path):
+    with pytest.raises(FloeError, match="is no file, so no mesh"):
+        check_mesh_file(tmp_path)
+    os.mkfifo(tmp_path / "pipe.stl")
+    with pytest.raises(FloeError, match="pipe.stl: is no file"):
+        check_mesh_file(tmp_path / "pipe.stl")
+    (tmp_path / "short.stl").write_bytes(bytes(80) + struct.pack("<I", 4_000_000_000) + bytes(50))
+    with pytest.raises(FloeError, match="holds 4000000000 triangles, but ends before"):
+        check_mesh_file(tmp_path / "short.stl")
+    with pytest.raises(FloeError, match="cannot be read: No such file"):
+        check_mesh_file(tmp_path / "none.stl")
+
+
+def test_an_angle_in_radians_is_asked_about():
+    scene = parse_scene(b"dynamics: {friction_angle: 0.6}", "a")
+    assert scene_warnings(scene) == [
+        "dynamics.friction_angle is 0.6 degrees; was it meant in radians?"
+    ]
+    assert scene_warnings(parse_scene(b"", "a")) == []
+
+
+def test_no_value_ends_the_quotes_of_make(project: Path, tmp_path: Path):
+    """What `make` would run for a hostile SCENE keeps it in one word."""
+    evil = f"x' & touch {tmp_path}/F; '"
+    done = subprocess.run(
+        ["make", "-n", "run", f"SCENE={evil}", "RANKS=2"],
+        cwd=project,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "touch" not in done.stdout and '"scene=$SCENE"' in done.stdout
+    assert not (tmp_path / "F").exists()
