@@ -50,7 +50,7 @@ def test_the_name_comes_from_the_file_where_none_is_given(tmp_path: Path):
         ("time: {windows: 1, windows: 2}", "key 'windows' is given twice (line 1)"),
         (
             "dynamics: {young_modulus: -1}",
-            "dynamics.young_modulus: input should be greater than 0 (got -1)",
+            "dynamics.young_modulus: input should be greater than or equal to 1000 (got -1)",
         ),
         ("dynamics: {young_modulus: .nan}", "dynamics.young_modulus: input should be a finite"),
         ("dynamics: {young_modulus: .inf}", "dynamics.young_modulus: input should be a finite"),
@@ -155,7 +155,7 @@ def test_more_windows_change_no_hash():
 
 def test_every_key_is_read_by_a_stage():
     # Keys that no stage reads: they say what is run, not what it gives.
-    outside = {"name", "time.windows", "workflow.windows_per_job"}
+    outside = {"name", "time.windows", "workflow.windows_per_job", "state.keep"}
     read = {path for paths in STAGE_KEYS.values() for path in paths}
     for key in keys():
         block = key.path.partition(".")[0]
