@@ -13,7 +13,7 @@ rule trajectory:
 
 rule mesh:
     input:
-        f"{RESULTS}/mesh/elements.pvd",
+        f"{RESULTS}/mesh",
 
 
 rule trajectory_files:
@@ -46,7 +46,7 @@ rule mesh_files:
         elements=of_chunks("results/{scene}/elements/{chunk}.nc"),
         packing=made("packing", "preprocess/packing.nc"),
     output:
-        series="results/{scene}/mesh/elements.pvd",
+        meshes=directory("results/{scene}/mesh"),
     log:
         "results/{scene}/log/mesh.log",
     benchmark:
