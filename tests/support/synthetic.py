@@ -422,6 +422,7 @@ def _cost(elements: int, window: int) -> list[Record]:
                 "steps": steps,
                 "element_steps_per_s": elements * steps / seconds,
                 "time_step": 10.8,
+                "cpu_seconds": 2.0 * seconds,
                 "limited_by": "bond",
             },
         ),
