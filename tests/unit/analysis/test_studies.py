@@ -113,7 +113,7 @@ def test_runs_share_what_their_keys_share():
     assert same({"time.window": 43200.0}) == set(BEFORE)
     # What is made from another packing is another file, though it reads no other key.
     assert same({"packing.elements": 9}) == {"land", "mask"}
-    assert same({"packing.bond_gap": 0.2}) == {"land", "mask", "packing", "cells"}
+
     assert same({"column.categories": 2}) == {"land", "mask", "packing", "bonds", "cells"}
     assert same({"mask.refine": 2 * scene.mask.refine}) == set()
 
