@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """On request only, no part of the report: files for OVITO, MDAnalysis and ParaView.
 
-snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh
+.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh
 """
 
 
