@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """FloeFlow: from an ice mask to a diagnostic report.
 
-snakemake --profile workflows/profiles/local --config scene=config/scenes/smoke.yaml
+.venv/bin/snakemake --profile workflows/profiles/local --config scene=config/scenes/smoke.yaml
 """
 
 from snakemake.utils import min_version

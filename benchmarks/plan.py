@@ -10,6 +10,9 @@ after the other: it wants idle cores.
 from __future__ import annotations
 
 import argparse
+import json
+import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,53 +23,56 @@ from floeflow.analysis.plan.precision import error_model, knob_errors, total_err
 from floeflow.analysis.studies.accuracy_table import REFERENCE
 from floeflow.analysis.studies.compare import read_ends
 from floeflow.analysis.studies.measures import KEPT
-from floeflow.analysis.studies.nested import Outcome, read_outcome, run_scene, targets
 from floeflow.analysis.studies.norms import errors, on_grid, relative
-from floeflow.analysis.studies.plans import study_variants
-from floeflow.analysis.studies.share import link_shared
-from floeflow.analysis.studies.variants import BASE, variant_keys, write_variant
+from floeflow.analysis.studies.outcome import Outcome, read_outcome
+from floeflow.analysis.studies.variants import run_name
 from floeflow.core.errors import FloeError
 from floeflow.core.records import Record, write_records
 from floeflow.diagnostics.run_cost import read_benchmark
 from floeflow.scene import Scene, load_scene
+from floeflow.scene.docs import PROJECT
+from floeflow.scene.windows import window_name
 from floeflow.state import read_dataset
 
 HELD_OUT = Path(__file__).with_name("held_out")
+RESULTS = Path("results")
 RANKS = {"beaufort_more": 1, "loose_floes": 2, "kara_ridges": 1}
 
 
-def run(path: Path, scene: Scene, ranks: int) -> dict[str, tuple[Scene, Outcome]]:
-    """Run a held-out scene as it stands, to its report, and at its finest."""
-    folder = Path("results") / scene.name / "accuracy"
-    file = folder / "scenes" / f"{REFERENCE}.yaml"
-    variant = study_variants("accuracy", scene)[REFERENCE]
-    finest = write_variant(variant_keys(path, scene, "accuracy", variant), file)
-    found: dict[str, tuple[Scene, Outcome]] = {}
-    for name, source, own in ((BASE, path, scene), (REFERENCE, file, finest)):
-        if name == REFERENCE:
-            link_shared(scene, own)
-        log = folder / "log" / f"{name}.workflow.log"
-        wanted = [f"results/{scene.name}/report.html"] if name == BASE else targets(own)
-        fault = run_scene(source, own, log, ranks, wanted)
-        if fault:
-            raise FloeError(f"{own.name}: {fault}")
-        found[name] = own, read_outcome(own, fault)
-    return found
+def run(path: Path, scene: Scene, ranks: int) -> tuple[Outcome, dict]:
+    """Run a held-out scene as it stands, to its report, and at its finest; the latter's record."""
+    folder = RESULTS / scene.name
+    finest = RESULTS / run_name(scene.name, "accuracy", REFERENCE) / "record.json"
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
+    # One job at a time, with nothing beside it: jobs are timed.
+    command += ["--cores", str(ranks), "--rerun-incomplete", "--set-threads", f"windows={ranks}"]
+    command += ["--config", f"scene={path}", "--", str(folder / "report.html"), str(finest)]
+    if subprocess.run(command, check=False).returncode:
+        raise FloeError(f"{scene.name}: did not run to its end (Snakemake's words are above)")
+    record = json.loads(finest.read_text())
+    if record["fault"]:
+        raise FloeError(f"{scene.name} at its finest: {record['fault']}")
+    costs = sorted((folder / "cost").glob("*.json"))
+    return read_outcome(scene.name, "", costs, folder / "cpu"), record
 
 
 def seconds_of(scene: Scene) -> float:
     """Wall time of all jobs of a run, one after the other, as Snakemake measured them."""
-    tables = sorted((Path("results") / scene.name / "benchmarks").rglob("*.tsv"))
+    tables = sorted((RESULTS / scene.name / "benchmarks").rglob("*.tsv"))
     return sum(read_benchmark(table)[0] for table in tables)
 
 
-def measured_errors(scene: Scene, runs: dict[str, tuple[Scene, Outcome]]) -> dict[str, float]:
+def measured_errors(scene: Scene, finest: dict) -> dict[str, float]:
     """Relative error of the scene as it stands, in the norms that a plan keeps."""
-    results = Path("results")
-    ends = {name: read_ends(results / own.name) for name, (own, _) in runs.items()}
-    mask = read_dataset(results / runs[BASE][0].name / "preprocess/mask.nc")
-    grids = {name: on_grid(scene, each, mask) for name, each in ends.items()}
-    found = relative(*errors(ends[REFERENCE], ends[BASE], (grids[REFERENCE], grids[BASE])))
+    folder = RESULTS / scene.name
+    last = folder / f"state/{window_name(scene.time.windows)}.nc"
+    own, reference = (
+        read_ends(folder / "state/0000.nc", last),
+        read_ends(*map(Path, finest["ends"])),
+    )
+    mask = read_dataset(folder / "preprocess/mask.nc")
+    grids = on_grid(scene, reference, mask), on_grid(scene, own, mask)
+    found = relative(*errors(reference, own, grids))
     return {norm: found[norm] for norm in KEPT}
 
 
@@ -88,8 +94,7 @@ def compare(path: Path) -> Row:
     scene, ranks = load_scene(path), RANKS[path.stem]
     c = conditions(scene)
     fit = fitted_to_pack(scene, c, coefficients())
-    runs = run(path, scene, ranks)
-    own, outcome = runs[BASE]
+    outcome, finest = run(path, scene, ranks)
     by_knob = knob_errors(scene, c, error_model())
     # Both runs have the same elements.
     guess = {norm: total_error(by_knob, (norm,), but=("element_size",)) for norm in KEPT}
@@ -97,9 +102,9 @@ def compare(path: Path) -> Row:
         scene,
         ranks,
         outcome,
-        seconds_of(own),
-        run_seconds(c, own, own.effects, ranks, fit),
-        measured_errors(scene, runs),
+        seconds_of(scene),
+        run_seconds(c, scene, scene.effects, ranks, fit),
+        measured_errors(scene, finest),
         guess,
     )
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``fields``: the elements of a chunk on the scene's grid, at all window boundaries."""
 
+import logging
 from pathlib import Path
 
 from floeflow.diagnostics.cf_output import join_times, write_grid
@@ -8,6 +9,8 @@ from floeflow.diagnostics.gridded import make_grid
 from floeflow.state import read_dataset, read_state
 from floeflow.state.snapshots import read_snapshots
 from floeflow.workflow.job import Snakemake, run_script, scene_of
+
+log = logging.getLogger(__name__)
 
 
 def main(snakemake: Snakemake) -> None:
@@ -19,6 +22,13 @@ def main(snakemake: Snakemake) -> None:
     states = [*start, *read_snapshots([snakemake.input.elements])]
     data = join_times([make_grid(scene, state, mask) for state in states])
     write_grid(data, Path(str(snakemake.output.fields)))
+    for name, unit, size in (("siarea", "km2", 1e6), ("sivolume", "km3", 1e9)):
+        left = float(abs(data[f"{name}_residual"]).max()) / size
+        gone = float(data[f"{name}_outside"].max()) / size
+        log.info(
+            "%s: grid minus elements %.3g %s at most, off the grid %.4g %s at most",
+            *(name, left, unit, gone, unit),
+        )
 
 
 if __name__ == "__main__":

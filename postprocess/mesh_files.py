@@ -13,11 +13,10 @@ from floeflow.workflow.job import Snakemake, run_script
 
 def main(snakemake: Snakemake) -> None:
     """Run the rule."""
-    paths = [Path(path) for path in snakemake.output.meshes]
     states = chain([read_state(snakemake.input.first)], read_snapshots(snakemake.input.elements))
     packing = read_dataset(snakemake.input.packing)
-    write_meshes(packing, states, paths, Path(str(snakemake.output.series)))
-    logging.info("%d meshes", len(paths))
+    made = write_meshes(packing, states, Path(str(snakemake.output.meshes)))
+    logging.info("%d meshes", len(made))
 
 
 if __name__ == "__main__":

@@ -99,6 +99,8 @@ check_interpreter() {
 
 # ---- the Python environment ------------------------------------------------------------------
 
+sources=(floeflow preprocess simulate postprocess studies benchmarks tests setup)
+
 venv_version() { sed -n 's/^python //p' "$stamp" 2>/dev/null || :; }
 
 install_venv() {
@@ -133,11 +135,22 @@ restore_venv() {
     if [[ -d $venv.old ]]; then mv "$venv.old" "$venv"; fi
 }
 
+# Folders whose sources moved away keep what Python compiled of them, and Python would still import
+# them, as packages without a source.
+sweep() {
+    local cache
+    while IFS= read -r -d '' cache; do
+        compgen -G "${cache%/*}/*.py" >/dev/null || rm -rf "$cache"
+    done < <(find "${sources[@]}" -type d -name __pycache__ -print0)
+    find "${sources[@]}" -mindepth 1 -type d -empty -delete
+}
+
 # The project itself, editable: a new module is seen at once, a changed pyproject.toml is not.
 install_project() {
     local mark=$venv/floeflow-project sum
     sum=$(sha256sum <pyproject.toml)
     if [[ $(cat "$mark" 2>/dev/null) == "$sum" ]]; then return 0; fi
+    rm -rf floeflow.egg-info "$venv"/lib/python*/site-packages/__editable__*floeflow*
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
         --no-deps --no-build-isolation --editable . ||
         fail "the packages of pyproject.toml could not be installed (pip's words are above)."
@@ -184,5 +197,6 @@ check_interpreter
 check_liggghts_root
 install_packages
 install_venv
+sweep
 install_project
 build_plugin

@@ -23,10 +23,15 @@ def plugin_path(workflow: Path | None = None) -> Path:
     Raises
     ------
     FloeError
-        Where there is none at any of these places; names them.
+        Where there is none at any of these places, or not where FLOEFLOW_PLUGIN says.
     """
     named = os.environ.get("FLOEFLOW_PLUGIN")
     if named:
+        if not Path(named).is_file():
+            raise FloeError(
+                f"FLOEFLOW_PLUGIN={named}: there is no such file; leave FLOEFLOW_PLUGIN out for "
+                "the one that 'make setup' builds"
+            )
         return Path(named)
     roots = [root for root in (workflow, Path(__file__).resolve().parents[2]) if root is not None]
     places = [root / BUILT for root in roots]

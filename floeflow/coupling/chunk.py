@@ -99,7 +99,8 @@ def run_chunk(chunk: Chunk) -> int:
     with hold_alone(lock, f"window {chunk.windows[0]} of {chunk.folder}"):
         start = str(read_state(chunk.state).attrs["checksum"])
         hashes = resume.window_hashes(start, chunk.windows, fixed)
-        done = resume.finished_windows(chunk.folder, chunk.windows, hashes)
+        every = chunk.scene.state.keep == "all"
+        done = resume.finished_windows(chunk.folder, chunk.windows, hashes, every)
         if done:
             logging.info(
                 "windows %s to %s are there already", chunk.windows[0], chunk.windows[done - 1]

@@ -220,9 +220,11 @@ def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
     cells = read_cells(on_root(comm, read_dataset, job.cells)) if job.cells else None
     for number in range(job.done, len(job.windows)):
         window, work = job.windows[number], resume.work_folder(folder, job.windows[number])
-        began = time.perf_counter()
+        began, used = time.perf_counter(), time.process_time()
         forcing = on_root(comm, window_forcing, scene, int(window), work)
-        cost = [Record("forcing", state.sizes["element"], comm.size, [time.perf_counter() - began])]
+        n, spent = state.sizes["element"], time.perf_counter() - began
+        cpu = {"cpu_seconds": comm.bcast(time.process_time() - used)}
+        cost = [Record("forcing", n, comm.size, [spent], extra=cpu)]
         if number == job.done:
             warm_up(comm, scene, state, forcing)
             began = time.perf_counter() - cost[0].seconds[0]

@@ -73,11 +73,24 @@ def window_hashes(start: str, windows: Sequence[str], fixed: dict[str, str]) -> 
     return found
 
 
-def finished_windows(scene_folder: Path, windows: Sequence[str], hashes: Sequence[str]) -> int:
-    """Number of windows of a chunk, from the first on, that are there and have their hash."""
+def finished_windows(
+    scene_folder: Path, windows: Sequence[str], hashes: Sequence[str], every_state: bool = False
+) -> int:
+    """Number of windows of a chunk, from the first on, that are there and have their hash.
+
+    Parameters
+    ----------
+    scene_folder : Path
+        ``results/<scene>``.
+    windows, hashes : sequence of str
+        The chunk's windows, and what each must have been made from.
+    every_state : bool
+        Whether the state of each window must be there, or that of the last one is enough.
+    """
     whole = 0
     for window, expected in zip(windows, hashes, strict=True):
-        if not _has_records(work_folder(scene_folder, window), expected):
+        folder = work_folder(scene_folder, window)
+        if not _has_records(folder, expected) or (every_state and not _has_state(folder, expected)):
             break
         whole += 1
     for done in range(whole, 0, -1):

@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core.polygons import Outlines, body_outlines, carried_outlines, own_outlines
+from floeflow.scene.windows import window_name
 
 log = logging.getLogger(__name__)
 
@@ -61,10 +62,8 @@ def cell_fields(state: xr.Dataset) -> dict[str, NDArray[np.generic]]:
     return fields
 
 
-def write_meshes(
-    packing: xr.Dataset, states: Iterable[xr.Dataset], paths: list[Path], series: Path
-) -> None:
-    """Write a mesh for each state, and the series that names them with their times.
+def write_meshes(packing: xr.Dataset, states: Iterable[xr.Dataset], folder: Path) -> list[Path]:
+    """Write a mesh for each state, and ``elements.pvd``, which names them with their times.
 
     Parameters
     ----------
@@ -72,10 +71,13 @@ def write_meshes(
         Packing from which the first state was made.
     states : iterable of xarray.Dataset
         States, the first one before all windows; read once.
-    paths : list of Path
-        A file for each state, all in the folder of `series`.
-    series : Path
-        The ``.pvd`` file.
+    folder : Path
+        Gets the files, each mesh named by its window.
+
+    Returns
+    -------
+    list of Path
+        The meshes.
 
     Raises
     ------
@@ -86,13 +88,16 @@ def write_meshes(
     from floeflow.core.meshes import write_polygons, write_series
 
     body: Outlines | None = None
-    times = []
-    for state, path in zip(states, paths, strict=True):
+    paths, times = [], []
+    for state in states:
         if "cell_corners" in state:
             body = own_outlines(state)
         else:
             body = body_outlines(packing, state) if body is None else body
         outlines = carried_outlines(body, state)
+        path = folder / f"{window_name(int(state.attrs['window']))}.vtu"
         write_polygons(path, outlines.start, outlines.x, outlines.y, cell_fields(state))
+        paths.append(path)
         times.append(float(state.attrs["time"]))
-    write_series(series, [path.name for path in paths], times)
+    write_series(folder / "elements.pvd", [path.name for path in paths], times)
+    return paths

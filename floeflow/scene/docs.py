@@ -25,7 +25,7 @@ A scene is one YAML file. It holds only what differs from the defaults below:
 {example}```
 
 Run it with `make run SCENE=config/scenes/mine.yaml`, or with Snakemake itself:
-`snakemake --profile workflows/profiles/local --config scene=config/scenes/mine.yaml`.
+`.venv/bin/snakemake --profile workflows/profiles/local --config scene=config/scenes/mine.yaml`.
 
 File paths are taken from the project's folder. A key that is unknown, given twice or out of its
 range stops the run before any job, with a sentence that names it.

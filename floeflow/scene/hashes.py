@@ -38,6 +38,8 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "dynamics": ("effects", "dynamics", "time.window", "packing.coast_bonds", "state.precision"),
     "cells": ("seed",),
     "cure": ("remap", "merge", "packing.bond_gap"),
+    # What is kept changes no result, so it is in no window's own hash.
+    "keep": ("state.keep",),
     "column": ("effects", "column", "time.window"),
     "grid": ("domain", "effects", "time.start", "time.window", "grid"),
     "diagnostics": ("effects", "domain"),

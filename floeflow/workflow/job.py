@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import logging
 import os
-import resource
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +18,7 @@ from typing import Any, Protocol
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import hold_job
+from floeflow.core.records import cpu_seconds
 from floeflow.scene import Scene
 from floeflow.scene.load import read_resolved
 
@@ -55,14 +55,6 @@ def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
     except Exception:
         logging.exception("unexpected fault")
         raise
-
-
-def cpu_seconds() -> float:
-    """CPU seconds of this process and of the children that it waited for."""
-    own, children = (
-        resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-    )
-    return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
 
 
 def _keep_cost(snakemake: Snakemake) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Hard case 8: a year of daily windows on `smoke`, a group of windows in each launch.
+"""Hard case 8: a year of daily windows on `smoke`, a chunk of windows in each launch.
 
 What a window loses, the next one builds upon: a budget that is open by a millionth a day, a pair
 table that grows by a row a day, a clock that slips a day at new year or on 29 February would be
@@ -21,7 +21,7 @@ import xarray as xr
 
 from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
 from floeflow.coupling import resume
-from floeflow.diagnostics.diagnostics import diagnose
+from floeflow.diagnostics.diagnostics import RunFiles, diagnose
 from floeflow.forcings.forcing import make_forcing
 from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state
@@ -87,29 +87,40 @@ def live(at: Start, ranks: int) -> Seen:
     """Run to the end and look at everything on the way."""
     seen = Seen()
     look_at_state(at, "0000", seen)
-    for group in year.run(at, ranks):
-        for window in group:
+    for chunk in year.run(at, ranks):
+        for window in chunk:
             look_at_state(at, window, seen)
-            forcing = read_dataset(at.folder / f"forcing/{window}.nc")
+            forcing = make_forcing(at.scene, at.scene.forcing.file, int(window))
             look_at_forcing(at.scene, int(window), forcing)
-            series = read_dataset(at.folder / f"series/{window}.nc")
-            seen.fastest = max(seen.fastest, float(series["largest_speed"].max()))
+        series = read_dataset(at.folder / f"series/{chunk[-1]}.nc")
+        seen.fastest = max(seen.fastest, float(series["largest_speed"].max()))
     seen.files = files_of_windows(at)
     return seen
 
 
 def files_of_windows(at: Start) -> list[int]:
-    """Number of files of each window, but for the log of its launch."""
+    """Number of files of each window; what is one for a chunk of windows does not count."""
     work = at.folder / resume.WORK
-    found = [p for p in at.folder.rglob("*.*") if p.is_file() and "ranks" not in p.name]
-    owner = Counter(p.parent.name if work in p.parents else p.name.split(".")[0] for p in found)
+    found = [*(at.folder / "state").glob("*.nc"), *(at.folder / "log").rglob("*.liggghts.log")]
+    owner = Counter(path.name.split(".")[0] for path in found)
+    owner.update(path.parent.name for path in work.glob("*/*"))
     return [owner[f"{window:04d}"] for window in range(1, at.scene.time.windows + 1)]
+
+
+def files_of(at: Start) -> RunFiles:
+    """What diagnostics read of the run."""
+
+    def of_chunks(kind: str) -> list[Path]:
+        return sorted((at.folder / kind).iterdir())
+
+    parts = [of_chunks(kind) for kind in ("elements", "series", "cost")]
+    return RunFiles(at.folder / "state/0000.nc", *parts)
 
 
 def hold(at: Start, seen: Seen, record) -> None:
     """Budgets of every window and of the run as a whole, files, speeds."""
     count = at.scene.time.windows
-    data, told = diagnose(at.folder, range(1, count + 1), [], at.scene.effects)
+    data, told = diagnose(files_of(at), at.scene.effects, at.scene.domain)
     budgets = {b["name"]: b for b in told["budgets"]}
     worst = {name: b["relative"] for name, b in budgets.items()}
     growth = sum(

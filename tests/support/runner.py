@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -15,6 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+
+from floeflow.state.snapshots import read_snapshots
 
 PROJECT = Path(__file__).resolve().parents[2]
 # What a run reads of the project, by relative path.
@@ -65,6 +68,17 @@ class Place:
         """Run to the end; standard error is joined to standard output."""
         return subprocess.run(self.command(scene, ranks, *more), check=False, **STREAMS)
 
+    def planned(self, scene: Path, *targets: str) -> dict[str, int]:
+        """Jobs that Snakemake would run, by rule."""
+        done = self.run(scene, "-n", *targets)
+        assert done.returncode == 0, done.stdout
+        table = re.search(r"Job stats:\njob +count\n[- ]+\n(.*?)\n\n", done.stdout, re.S)
+        if table is None:
+            assert "Nothing to be done" in done.stdout
+            return {}
+        rows = (row.split() for row in table[1].splitlines())
+        return {row[0]: int(row[1]) for row in rows if row[0] not in ("all", "total")}
+
     def start(self, scene: Path, *more: str) -> subprocess.Popen[str]:
         """Start in a session of its own, so that all of it can be killed."""
         return subprocess.Popen(self.command(scene, 2, *more), start_new_session=True, **STREAMS)
@@ -86,6 +100,12 @@ class Done:
     def results(self) -> Path:
         """Its results."""
         return self.place.results()
+
+
+def checksums(results: Path) -> list[str]:
+    """Checksums of the states of all windows, from the snapshots that every window leaves."""
+    snapshots = read_snapshots(sorted((results / "elements").glob("*.nc")))
+    return [str(part.attrs["checksum"]) for part in snapshots]
 
 
 def make_place(folder: Path, like: Place | None = None) -> Place:

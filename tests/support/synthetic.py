@@ -8,6 +8,8 @@ ask whether the diagnostics find just that.
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,9 +18,13 @@ import shapely
 import xarray as xr
 from scipy.spatial import Delaunay
 
-from floeflow.core.records import Record, write_records
+from floeflow.core.records import Record
+from floeflow.coupling.chunk import join_series
+from floeflow.diagnostics.diagnostics import RunFiles
 from floeflow.scene import Scene, load_scene
-from floeflow.state import write_dataset, write_state
+from floeflow.scene.windows import window_chunks
+from floeflow.state import read_dataset, read_state, write_dataset, write_state
+from floeflow.state.snapshots import read_snapshots, write_snapshots
 
 ICE_DENSITY, SNOW_DENSITY = 917.0, 330.0
 X0, Y0, WIDTH, SPACING, REFINE = -1.6e6, 4.0e5, 4.0e5, 5.0e4, 4
@@ -34,6 +40,8 @@ domain: {{x_min: {x0}, x_max: {x1}, y_min: {y0}, y_max: {y1}, spacing: {spacing}
 packing: {{elements: 200}}
 time: {{windows: {windows}, window: {window}}}
 forcing: {{cyclone: {{wind_speed: 12}}}}
+workflow: {{windows_per_job: 2}}
+state: {{keep: all}}
 report: {{title: {title!r}, text: "A pack beside a coast.", dpi: 60}}
 """
 
@@ -52,9 +60,55 @@ class Run:
         """``results/<scene>``."""
         return self.root / "results" / self.scene.name
 
-    def path(self, kind: str, window: int, suffix: str = ".nc") -> Path:
-        """A window's file."""
-        return self.folder / kind / f"{window:04d}{suffix}"
+    @property
+    def chunks(self) -> dict[str, list[str]]:
+        """Windows of each chunk, by its name."""
+        return window_chunks(len(self.windows), self.scene.workflow.windows_per_job)
+
+    @property
+    def files(self) -> RunFiles:
+        """What diagnostics read."""
+        return RunFiles(
+            first=self.state(0),
+            elements=self.of_chunks("elements"),
+            series=self.of_chunks("series"),
+            cost=self.of_chunks("cost", ".json"),
+            grid=self.grid,
+        )
+
+    @property
+    def grid(self) -> Path:
+        """Fields at all boundaries."""
+        return self.folder / "grid.nc"
+
+    def state(self, window: int) -> Path:
+        """A window's state."""
+        return self.folder / "state" / f"{window:04d}.nc"
+
+    def of_chunks(self, kind: str, suffix: str = ".nc") -> list[Path]:
+        """The files of a kind, one a chunk."""
+        return [self.folder / kind / f"{chunk}{suffix}" for chunk in self.chunks]
+
+    def chunk_of(self, kind: str, window: int, suffix: str = ".nc") -> Path:
+        """The file of a kind that holds a window."""
+        names = [name for name, windows in self.chunks.items() if f"{window:04d}" in windows]
+        return self.folder / kind / f"{names[0]}{suffix}"
+
+    def change_series(self, window: int, name: str, delta: float) -> None:
+        """Add to a budget scalar of a window."""
+        path = self.chunk_of("series", window)
+        series = read_dataset(path)
+        series[name].values[series["window"].values == window] += delta
+        write_dataset(series, path)
+
+    def change_elements(self, window: int, change: Callable[[xr.Dataset], None]) -> None:
+        """Change the snapshot of the elements at a window's end in its place."""
+        path = self.chunk_of("elements", window)
+        parts = list(read_snapshots([path]))
+        for part in parts:
+            if part.attrs["window"] == window:
+                change(part)
+        write_snapshots(parts, path)
 
 
 def make_run(
@@ -85,16 +139,22 @@ def make_run(
     packing = make_packing(elements)
     write_dataset(packing, run.folder / "preprocess" / "packing.nc")
     write_dataset(make_mask(), run.folder / "preprocess" / "mask.nc")
-    state = first_state(packing, run.scene)
-    write_state(state, run.path("state", 0))
-    _grid(state).to_netcdf(_made(run.path("grid", 0)))
+    write_state(first_state(packing, run.scene), run.state(0))
+    states, series, cost = [read_state(run.state(0))], {}, {}
     for window in run.windows:
-        after, series = advance(state, window, run.scene)
-        write_state(after, run.path("state", window))
-        write_dataset(series, run.path("series", window))
-        write_records(_cost(state.sizes["element"], window), run.path("cost", window, ".json"))
-        _grid(after).to_netcdf(_made(run.path("grid", window)))
-        state = after
+        after, series[window] = advance(states[-1], window, run.scene)
+        series[window].attrs["window"] = window
+        write_state(after, run.state(window))
+        records = _cost(after.sizes["element"], window)
+        cost[window] = [{**record.as_dict(), "window": window} for record in records]
+        states.append(read_state(run.state(window)))
+    for name, members in run.chunks.items():
+        numbers = [int(window) for window in members]
+        write_dataset(join_series([series[w] for w in numbers]), run.folder / f"series/{name}.nc")
+        write_snapshots([states[w] for w in numbers], run.folder / f"elements/{name}.nc")
+        text = json.dumps([record for w in numbers for record in cost[w]])
+        _made(run.folder / f"cost/{name}.json").write_text(text)
+    write_dataset(xr.concat([_grid(s) for s in states], "time", data_vars="minimal"), run.grid)
     _benchmarks(run)
     return run
 
@@ -362,6 +422,7 @@ def _cost(elements: int, window: int) -> list[Record]:
                 "steps": steps,
                 "element_steps_per_s": elements * steps / seconds,
                 "time_step": 10.8,
+                "cpu_seconds": 2.0 * seconds,
                 "limited_by": "bond",
             },
         ),
@@ -373,7 +434,7 @@ def _cost(elements: int, window: int) -> list[Record]:
 def _benchmarks(run: Run) -> None:
     """Benchmark files as Snakemake writes them."""
     head = "s\th:m:s\tmax_rss\tmax_vms\tmax_uss\tmax_pss\tio_in\tio_out\tmean_load\tcpu_time\n"
-    for name, seconds in (("mask", 3.2), ("packing", 7.9), ("window_0003", 12.5), ("grid", 1.1)):
+    for name, seconds in (("mask", 3.2), ("packing", 7.9), ("windows/0003", 12.5), ("grid", 1.1)):
         path = _made(run.folder / "benchmarks" / f"{name}.tsv")
         row = (
             f"{seconds}\t0:00:0{int(seconds) % 10}\t312.5\t900\t280\t281\t0\t1.5\t99.1\t{seconds}\n"
@@ -416,8 +477,9 @@ def _grid(state: xr.Dataset) -> xr.Dataset:
         fields["sisnthick"] = (per(snow, ice), "m")
     data = xr.Dataset(
         {name: (("time", "y", "x"), v[None], {"units": u}) for name, (v, u) in fields.items()},
-        coords={"x": X0 + axis, "y": Y0 + axis, "time": [0.0]},
+        coords={"x": X0 + axis, "y": Y0 + axis, "time": [float(state.attrs["time"])]},
     )
     data["areacello"] = (("y", "x"), cell, {"units": "m2"})
+    data["window"] = (("time",), np.array([int(state.attrs["window"])]))
     data["siconc"].attrs["cell_measures"] = "area: areacello"
     return data

@@ -18,4 +18,4 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
 @pytest.fixture(scope="module")
 def states(run: Run) -> list[xr.Dataset]:
     """Its states, the first before all windows."""
-    return [read_state(run.path("state", window)) for window in (0, *run.windows)]
+    return [read_state(run.state(window)) for window in (0, *run.windows)]

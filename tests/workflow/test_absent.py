@@ -16,6 +16,7 @@ import xarray as xr
 
 from floeflow.analysis.estimate.influence import without
 from floeflow.diagnostics.collect import expected_series
+from floeflow.forcings.window import window_forcing
 from floeflow.scene import load_scene
 from floeflow.scene.effects import EFFECTS, compatible
 from floeflow.scene.windows import window_name
@@ -34,11 +35,8 @@ EVERY = compatible(EFFECTS)
 
 def planned_rules(place: Place, effects: tuple[str, ...]) -> set[str]:
     """Rules that `snakemake -n` would run."""
-    done = place.run(place.scene(effects=list(effects), time={"windows": 1}, column=COLUMN), "-n")
-    assert done.returncode == 0, done.stdout
-    table = re.search(r"Job stats:\njob +count\n[- ]+\n(.*?)\n\n", done.stdout, re.S)
-    assert table is not None
-    return {row.split()[0] for row in table[1].splitlines()}
+    scene = place.scene(effects=list(effects), time={"windows": 1}, column=COLUMN)
+    return set(place.planned(scene))
 
 
 def figures(results: Path) -> set[str]:
@@ -79,7 +77,7 @@ def test_an_effect_brings_its_rules_and_none_other_does(place: Place, name: str)
 
 def test_every_switch_is_on_with_all_effects_and_off_with_none(bare: Done, full: Done):
     logs = [
-        (run.results / f"log/window/{window_name(1)}.liggghts.log").read_text()
+        (run.results / f"log/windows/{window_name(1)}.liggghts.log").read_text()
         for run in (bare, full)
     ]
     for effect in EFFECTS.values():
@@ -111,7 +109,7 @@ def test_series_and_costs_are_those_of_the_effects(bare: Done, full: Done):
         if effect.name not in BARE:
             assert not own & names, effect.name
     costs = json.loads((bare.results / "cost/0001.json").read_text())
-    assert {record["name"] for record in costs} == {"setup", "dynamics", "exchange"}
+    assert {record["name"] for record in costs} == {"forcing", "setup", "dynamics", "exchange"}
 
 
 def test_figures_are_those_of_the_effects(bare: Done, full: Done):
@@ -123,11 +121,11 @@ def test_figures_are_those_of_the_effects(bare: Done, full: Done):
                 assert not [name for name in none if name.startswith(start)], start
 
 
-def test_forcing_and_output_are_those_of_the_effects(bare: Done, full: Done):
-    forcing = read_dataset(bare.results / "forcing/0001.nc")
+def test_forcing_and_output_are_those_of_the_effects(bare: Done, full: Done, tmp_path: Path):
+    forcing = window_forcing(load_scene(bare.scene), 1, tmp_path)
     assert set(forcing.data_vars) == set(EFFECTS["wind"].forcing)
-    assert not (bare.results / "grid").exists()
-    with xr.open_dataset(full.results / "grid/0001.nc") as grid:
+    assert not (bare.results / "grid.nc").exists() and not (bare.results / "fields").exists()
+    with xr.open_dataset(full.results / "grid.nc") as grid:
         for effect in EFFECTS.values():
             assert set(effect.output) <= set(map(str, grid.variables)), effect.name
 

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.state import read_state
-from support.runner import Done, Place, drain, kill_all, kill_alone, paused, read_until
+from support.runner import Done, Place, checksums, drain, kill_all, kill_alone, paused, read_until
 
 pytestmark = pytest.mark.workflow
 
@@ -26,15 +25,11 @@ def wait_for_jobs(place: Place) -> None:
 def start_over(copy) -> tuple[Place, Path]:
     """A finished run whose windows are undone."""
     place = copy()
-    for folder in ("state", "series", "cost", ".windows"):
+    for folder in ("state", "series", "elements", "cost", "fields", ".windows"):
         for path in (place.results() / folder).glob("*"):
             if path.name != "0000.nc":
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
     return place, place.scene()
-
-
-def checksums(results: Path) -> list[str]:
-    return [read_state(results / f"state/{w:04d}.nc").attrs["checksum"] for w in (1, 2, 3)]
 
 
 @pytest.mark.parametrize("per_job", [1, 3])
@@ -51,6 +46,25 @@ def test_a_killed_run_continues_to_the_same_bits(smoke: Done, copy, per_job: int
     assert done.returncode == 0, done.stdout
     assert "window 0001: step" not in done.stdout
     assert checksums(place.results()) == checksums(smoke.results)
+
+
+def test_a_killed_run_goes_on_from_the_last_state_that_was_kept(smoke: Done, copy):
+    """Of a chunk only the last states stay; three windows of four are finished when it dies."""
+    place, _ = start_over(copy)
+    scene, target = place.scene(time={"windows": 4}), "results/smoke/state/0004.nc"
+    run = place.start(scene, target)
+    read_until(run, "window 0004: step")
+    kill_all(run)
+    wait_for_jobs(place)
+    work = place.results() / ".windows"
+    there = [(work / f"{window:04d}/state.nc").is_file() for window in (1, 2, 3)]
+    assert there == [False, True, True]
+    done = place.run(scene, target)
+    assert done.returncode == 0, done.stdout
+    assert "window 0004: step" in done.stdout
+    assert not [line for line in done.stdout.splitlines() if "window 0003: step" in line]
+    assert checksums(place.results())[:3] == checksums(smoke.results)
+    assert len(checksums(place.results())) == 4
 
 
 def test_a_job_that_outlives_its_run_is_waited_for(smoke: Done, copy):

@@ -12,21 +12,10 @@ import pytest
 import xarray as xr
 
 from floeflow.state import read_dataset, read_state
-from support.runner import Done, Place
+from floeflow.state.snapshots import read_snapshots
+from support.runner import Done, Place, checksums
 
 pytestmark = pytest.mark.workflow
-
-
-def planned(place: Place, scene: Path) -> dict[str, int]:
-    """Jobs that Snakemake would run, by rule."""
-    done = place.run(scene, "-n")
-    assert done.returncode == 0, done.stdout
-    table = re.search(r"Job stats:\njob +count\n[- ]+\n(.*?)\n\n", done.stdout, re.S)
-    if table is None:
-        assert "Nothing to be done" in done.stdout
-        return {}
-    rows = (row.split() for row in table[1].splitlines())
-    return {row[0]: int(row[1]) for row in rows if row[0] not in ("all", "total")}
 
 
 def test_the_run_leaves_a_report_and_says_where(smoke: Done):
@@ -40,8 +29,13 @@ def test_the_run_leaves_a_report_and_says_where(smoke: Done):
     )
 
 
+def boundaries(results: Path) -> list[xr.Dataset]:
+    """Elements at all boundaries."""
+    return [read_state(results / "state/0000.nc"), *read_snapshots([results / "elements/0003.nc"])]
+
+
 def test_windows_alternate_and_add_up(smoke: Done):
-    states = [read_state(smoke.results / f"state/{w:04d}.nc") for w in range(4)]
+    states = boundaries(smoke.results)
     assert [s.attrs["window"] for s in states] == [0, 1, 2, 3]
     assert [s.attrs["time"] for s in states] == [0.0, 21600.0, 43200.0, 64800.0]
     for before, after in zip(states, states[1:], strict=False):
@@ -52,17 +46,25 @@ def test_windows_alternate_and_add_up(smoke: Done):
         assert (before["x"].values == after["x"].values)[~mobile].all()
 
 
+def test_the_last_snapshot_is_the_state(smoke: Done):
+    state, last = read_state(smoke.results / "state/0003.nc"), boundaries(smoke.results)[-1]
+    assert last.attrs["checksum"] == state.attrs["checksum"]
+    for name in last.data_vars:
+        assert last[name].values.tobytes() == state[name].values.tobytes(), name
+
+
 def test_the_area_of_the_ocean_belongs_to_somebody(smoke: Done):
-    for window in range(4):
-        state = read_state(smoke.results / f"state/{window:04d}.nc")
+    for state in boundaries(smoke.results):
         owned = float(state["area"].values[state["type"].values == 1].sum())
         total = owned + state.attrs["unclaimed_water"]
         assert total == pytest.approx(state.attrs["ocean_area"], rel=1e-12)
 
 
 def test_the_budgets_close(smoke: Done):
-    for window in (1, 2, 3):
-        s = read_dataset(smoke.results / f"series/{window:04d}.nc")
+    whole = read_dataset(smoke.results / "series/0003.nc")
+    assert whole["window"].values.tolist() == [1, 2, 3]
+    for place in range(3):
+        s = whole.drop_dims("sample").isel(window=place)
         for axis in "xy":
             impulses = [
                 s[n].item() for n in s if str(n).startswith("impulse_") and n.endswith(axis)
@@ -80,8 +82,10 @@ def test_the_budgets_close(smoke: Done):
 
 
 def test_the_grid_is_cf_and_bounded(smoke: Done):
-    with xr.open_dataset(smoke.results / "grid/0003.nc") as grid:
+    with xr.open_dataset(smoke.results / "grid.nc") as grid:
         assert grid.attrs["Conventions"].startswith("CF-")
+        assert grid["window"].values.tolist() == [0, 1, 2, 3]
+        assert (grid["time"].diff("time").values > 0).all()
         siconc = grid["siconc"].values
         assert "grid_mapping" in grid["siconc"].encoding | grid["siconc"].attrs
         finite = siconc[siconc == siconc]
@@ -91,50 +95,65 @@ def test_the_grid_is_cf_and_bounded(smoke: Done):
 
 
 def test_costs_are_records(smoke: Done):
-    records = json.loads((smoke.results / "cost/0001.json").read_text())
-    by_name = {record["name"]: record for record in records}
-    assert set(by_name) == {"setup", "dynamics", "column", "exchange"}
-    assert by_name["dynamics"]["ranks"] == 2
-    assert by_name["dynamics"]["element_steps_per_s"] > 0
+    records = json.loads((smoke.results / "cost/0003.json").read_text())
+    for window in (1, 2, 3):
+        by_name = {record["name"]: record for record in records if record["window"] == window}
+        assert set(by_name) == {"forcing", "setup", "dynamics", "column", "exchange"}
+        assert by_name["dynamics"]["ranks"] == 2
+        assert by_name["dynamics"]["element_steps_per_s"] > 0
+    for rule in ("mask", "packing", "windows-0003", "report"):
+        spent = json.loads((smoke.results / f"cpu/{rule}.json").read_text())
+        assert spent["cpu_seconds"] > 0
 
 
 def test_a_second_run_has_nothing_to_do(smoke: Done):
-    assert planned(smoke.place, smoke.scene) == {}
+    assert smoke.place.planned(smoke.scene) == {}
 
 
 def test_a_changed_plot_key_redoes_the_report_only(smoke: Done):
     scene = smoke.place.scene(report={"dpi": 90})
-    assert planned(smoke.place, scene) == {"report": 1}
+    assert smoke.place.planned(scene) == {"report": 1}
     smoke.place.scene()
 
 
 def test_a_changed_law_redoes_the_windows_and_what_follows(smoke: Done):
     scene = smoke.place.scene(dynamics={"friction_coefficient": 0.1})
-    jobs = planned(smoke.place, scene)
+    jobs = smoke.place.planned(scene)
     smoke.place.scene()
-    assert jobs == {"estimate": 1, "window": 3, "grid": 3, "diagnostics": 1, "report": 1}
+    assert jobs == {
+        "estimate": 1, "windows": 1, "fields": 1, "grid": 1, "diagnostics": 1, "report": 1,
+    }  # fmt: skip
 
 
-def test_a_longer_run_redoes_no_window(copy: Callable[[], Place]):
+def test_a_longer_run_takes_the_windows_of_a_chunk_that_was_not_full(
+    smoke: Done, copy: Callable[[], Place]
+):
     place = copy()
     scene = place.scene(time={"windows": 4})
-    jobs = planned(place, scene)
-    assert jobs == {
-        "estimate": 1, "analytic": 1, "forcing": 1, "window": 1, "grid": 1, "diagnostics": 1,
-        "report": 1,
+    assert place.planned(scene) == {
+        "estimate": 1, "windows": 1, "fields": 1, "grid": 1, "diagnostics": 1, "report": 1,
     }  # fmt: skip
-    before = read_state(place.results() / "state/0003.nc").attrs["checksum"]
     done = place.run(scene, "results/smoke/state/0004.nc")
     assert done.returncode == 0, done.stdout
-    assert read_state(place.results() / "state/0003.nc").attrs["checksum"] == before
+    assert "window 0004: step" in done.stdout and "window 0003: step" not in done.stdout
+    made = read_snapshots([place.results() / "elements/0004.nc"])
+    assert [part.attrs["checksum"] for part in made][:3] == checksums(smoke.results)
     assert read_state(place.results() / "state/0004.nc").attrs["window"] == 4
 
 
-def test_windows_in_one_job_give_the_same_bits(smoke: Done, place: Place):
-    scene = place.scene(workflow={"windows_per_job": 3})
+def test_windows_in_jobs_of_their_own_give_the_same_bits(smoke: Done, place: Place):
+    scene = place.scene(workflow={"windows_per_job": 1})
     done = place.run(scene, "results/smoke/state/0003.nc")
     assert done.returncode == 0, done.stdout
-    for window in (1, 2, 3):
-        alone = read_state(smoke.results / f"state/{window:04d}.nc")
-        grouped = read_state(place.results() / f"state/{window:04d}.nc")
-        assert alone.attrs["checksum"] == grouped.attrs["checksum"]
+    assert checksums(place.results()) == checksums(smoke.results)
+
+
+def test_all_states_stay_where_they_are_wanted(smoke: Done, copy: Callable[[], Place]):
+    place = copy()
+    scene = place.scene(state={"keep": "all"})
+    # What stays is no result: nothing that follows from the windows' results is planned alone.
+    assert "windows" in place.planned(scene)
+    done = place.run(scene, "results/smoke/state/0003.nc")
+    assert done.returncode == 0, done.stdout
+    states = [read_state(place.results() / f"state/{window:04d}.nc") for window in (1, 2, 3)]
+    assert [state.attrs["checksum"] for state in states] == checksums(smoke.results)

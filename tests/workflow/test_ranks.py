@@ -22,8 +22,10 @@ SHORT = 9000.0  # s: a little over 1000 steps of 0.3 of the critical one
 def restarted(copy: Callable[[], Place], ranks: int, **changes: dict) -> tuple[Place, str]:
     """Run the windows of a copied scene again, on so many ranks."""
     place = copy()
-    for folder in ("state", "series", "cost", ".windows", "forcing"):
-        shutil.rmtree(place.results() / folder)
+    for folder in ("state", "series", "elements", "cost", ".windows"):
+        for path in (place.results() / folder).iterdir():
+            if path.name != "0000.nc":
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
     scene = place.scene(**changes)
     windows = changes.get("time", {}).get("windows", 3)
     last = f"results/smoke/state/{windows:04d}.nc"
@@ -99,5 +101,5 @@ def test_later_the_statistics_agree(smoke: Done, copy: Callable[[], Place]):
     # Bonds break one by one: their number scatters as its square root.
     assert abs(broken[0] - broken[1]) <= 3.0 * np.sqrt(max(broken))
     ends = [read_dataset(p.results() / "series/0003.nc") for p in (place, smoke.place)]
-    volumes = [end["ice_volume_end"].item() for end in ends]
+    volumes = [end["ice_volume_end"].values[-1] for end in ends]
     assert volumes[0] == pytest.approx(volumes[1], rel=1e-4)

@@ -82,18 +82,18 @@ def test_an_unknown_configuration_value_is_refused(place: Place):
 @pytest.mark.parametrize("damage", ["cut", "flip"])
 def test_a_damaged_state_stops_the_window_and_is_kept(copy: Callable[[], Place], damage: str):
     place = copy()
-    state = place.results() / "state/0002.nc"
+    state = place.results() / "state/0000.nc"
     raw = bytearray(state.read_bytes())
     if damage == "cut":
         raw = raw[: len(raw) // 2]
     else:
         raw[len(raw) // 2] ^= 1
-    # A new file: the published one shares its bytes with the work folder's.
+    # A new file, so that the run that was copied keeps its own.
     state.unlink()
     state.write_bytes(raw)
     (place.results() / "state/0003.nc").unlink()
     done = place.run(place.scene(), "results/smoke/state/0003.nc")
     assert done.returncode == 1
-    assert "floeflow: results/smoke/state/0002.nc: " in done.stdout
+    assert "floeflow: results/smoke/state/0000.nc: " in done.stdout
     assert "Traceback" not in done.stdout
     assert state.read_bytes() == bytes(raw)

@@ -37,7 +37,8 @@ def ablation(tmp_path_factory: pytest.TempPathFactory) -> Done:
 
 
 def record(done: Done, study: str, name: str) -> dict:
-    found: dict = json.loads((done.results / study / f"{name}.json").read_text())
+    folder = done.place.results(f"smoke+{study}-{name}")
+    found: dict = json.loads((folder / "record.json").read_text())
     return found
 
 
@@ -54,26 +55,33 @@ def test_leave_one_out_tells_what_moves_the_ice(ablation: Done):
 
 
 def test_variants_are_scenes_that_share_their_preprocessing(ablation: Done):
-    base = ablation.place.results("smoke--ablation-base")
-    other = ablation.place.results("smoke--ablation-no_wind")
-    for name in ("mask", "packing"):
-        paths = [folder / f"preprocess/{name}.nc" for folder in (base, other)]
-        assert paths[0].samefile(paths[1])
+    base = ablation.place.results("smoke+ablation-base")
+    other = ablation.place.results("smoke+ablation-no_wind")
+    for folder in (base, other):
+        assert not (folder / "preprocess").exists()
+        assert "do not edit" in (folder / "scene.yaml").read_text()
+    # A state names its effects, so another set of them has a state 0 of its own.
+    assert not (base / "state/0000.nc").exists() and (other / "state/0000.nc").is_file()
     assert record(ablation, "ablation", "no_wind")["effects"] == ["ocean_drag"]
     assert record(ablation, "ablation", "base")["results"]["differences"]["drift"] == 0.0
+    for name in ("base", "no_wind"):
+        cpu = record(ablation, "ablation", name)["cpu"]
+        assert cpu["window"] > 0 and cpu["dynamics"] > 0
 
 
 def test_an_interrupted_study_goes_on(ablation: Done):
-    """A lost record is made anew from its finished run, and nothing else runs."""
-    (ablation.results / "ablation/no_wind.json").unlink()
+    """A lost record is made anew from its finished windows, and nothing else runs."""
+    folder = ablation.place.results("smoke+ablation-no_wind")
+    before = json.loads((folder / "record.json").read_text())
+    (folder / "record.json").unlink()
     (ablation.results / "ablation.html").unlink()
-    state = ablation.place.results("smoke--ablation-no_wind") / "state/0001.nc"
-    before = state.stat().st_mtime_ns
     done = ablation.place.run(ablation.scene, "ablation")
     assert done.returncode == 0, done.stdout
-    ran = re.findall(r"Study ablation: (\S+)", done.stdout)
-    assert ran == ["no_wind"]
-    assert state.stat().st_mtime_ns == before
+    assert re.findall(r"Study: (\S+)", done.stdout) == ["smoke+ablation-no_wind"]
+    after = json.loads((folder / "record.json").read_text())
+    # Windows that were not run again have the times that they had.
+    assert after["wall"] == before["wall"] and after["results"] == before["results"]
+    assert "window" not in after["cpu"]
 
 
 @pytest.mark.slow

@@ -113,15 +113,6 @@ def last_state(wildcards):
     return f"results/{wildcards.scene}/state/{SCENES.run(wildcards.scene).last}.nc"
 
 
-def mesh_files(scene):
-    """Meshes of all window boundaries."""
-    return expand(
-        "results/{scene}/mesh/{window}.vtu",
-        scene=scene,
-        window=["0000", *SCENES.run(scene).windows],
-    )
-
-
 def default_targets():
     """The report of the scene that the command line names, and what its effects bring beside it."""
     effects = SCENES.scene(SCENES.default).effects

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """On request only, no part of the report: files for OVITO, MDAnalysis and ParaView.
 
-snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh
+.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh
 """
 
 
@@ -13,7 +13,7 @@ rule trajectory:
 
 rule mesh:
     input:
-        f"{RESULTS}/mesh/elements.pvd",
+        f"{RESULTS}/mesh",
 
 
 rule trajectory_files:
@@ -46,7 +46,7 @@ rule mesh_files:
         elements=of_chunks("results/{scene}/elements/{chunk}.nc"),
         packing=made("packing", "preprocess/packing.nc"),
     output:
-        series="results/{scene}/mesh/elements.pvd",
+        meshes=directory("results/{scene}/mesh"),
     log:
         "results/{scene}/log/mesh.log",
     benchmark:

@@ -25,7 +25,7 @@ rule windows:
         mem_mb=4000,
         runtime=240,
     params:
-        scene_keys=keys_of("dynamics", "column", "cure", "forcing"),
+        scene_keys=keys_of("dynamics", "column", "cure", "forcing", "keep"),
         library=library_digest("windows"),
         windows=chunk_windows,
     message:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """On request: runs of studies, which are scenes of their own, and the pages of what they showed.
 
-snakemake --profile workflows/profiles/local --config scene=PATH -- ablation accuracy
+.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- ablation accuracy
 
 The hard cases are tests: `make stability` runs them, and then the rule that draws their records.
 """

@@ -49,8 +49,6 @@ class Sizes:
         Cells of the scene grid.
     mask_cells : float
         Cells of the mask grid.
-    forcing_jobs : int
-        Jobs that make the forcing: two for each window of analytic forcing.
     land, bonded : bool
         Whether the 1 km land mask is read, and whether most of the ice has bonds.
     """
@@ -62,7 +60,6 @@ class Sizes:
     column_steps: float
     cells: float
     mask_cells: float
-    forcing_jobs: int
     land: bool
     bonded: bool
 
@@ -111,15 +108,9 @@ def sizes(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients
         column_steps=inner,
         cells=cells,
         mask_cells=cells * scene.mask.refine**2,
-        forcing_jobs=forcing_jobs(scene),
         land=scene.mask.land == "global_land_mask",
         bonded=bonded(c, effects),
     )
-
-
-def forcing_jobs(scene: Scene) -> int:
-    """Jobs that make the forcing of a run."""
-    return scene.time.windows * (2 if scene.forcing.source == "analytic" else 1)
 
 
 def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[str, float]:
@@ -137,12 +128,11 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
     effects = tuple(effects)
     switched = [e for e in effects if plugin_switches((e,)) and (e != "bonds" or s.bonded)]
     a_step = fit["dynamics"] + sum(fit.get(f"dynamics_{name}", 0.0) for name in switched)
-    jobs = {"mask": 1, "packing": 1, "initial": 1, "forcing": s.forcing_jobs}
-    seconds = {name: count * fit["job"] for name, count in jobs.items()}
+    seconds = dict.fromkeys(("mask", "packing", "initial"), fit["job"])
     seconds["report"] = fit["report"]
     seconds["mask"] += fit["mask_per_cell"] * s.mask_cells
     seconds["packing"] += fit["packing_per_element"] * s.elements
-    seconds["forcing"] += fit["forcing_per_cell"] * s.cells * s.windows
+    seconds["forcing"] = fit["forcing_per_cell"] * s.cells * s.windows
     a_window = fit["window"] + fit["window_per_element"] * s.elements
     seconds["window"] = s.launches * fit["launch"] + s.windows * a_window
     seconds["dynamics"] = s.steps * (fit["step"] + s.elements * a_step)
@@ -156,8 +146,9 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
         seconds["column"] = fit["column_start"] * s.windows
         seconds["column"] += fit["column"] * share * s.elements * s.column_steps
     if "grid_output" in effects:
-        jobs_of_grid = s.windows + 1
-        seconds["grid"] = jobs_of_grid * (fit["job"] + fit["grid_per_cell"] * s.cells)
+        # A job for each chunk, and one that joins them.
+        jobs = (s.launches + 1) * fit["job"]
+        seconds["grid"] = jobs + (s.windows + 1) * fit["grid_per_cell"] * s.cells
     if "trajectory_output" in effects:
         seconds["trajectory"] = fit["job"] + fit["window_per_element"] * s.elements * s.windows
     return seconds

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from floeflow.analysis.estimate.conditions import Conditions, conditions
-from floeflow.analysis.estimate.cost import bonded, forcing_jobs
+from floeflow.analysis.estimate.cost import bonded
 from floeflow.analysis.plan.propose import adjusted
 from floeflow.analysis.studies.outcome import stage_cpu
 from floeflow.analysis.studies.variants import BASE, run_name
@@ -167,6 +167,8 @@ def _fit_jobs(runs: Sequence[Run]) -> dict[str, float]:
     """Constants and slopes of the stages that make one job each."""
     found: dict[str, float] = {}
     starts = [run.cpu["initial"] for run in runs if "initial" in run.cpu]
+    if not starts:
+        raise FloeError("no run of a study made its own state 0: what a job takes is not known")
     found["job"] = median(starts)
     lands = [run.cpu["land"] for run in runs if run.cpu.get("land")]
     if lands:
@@ -178,12 +180,7 @@ def _fit_jobs(runs: Sequence[Run]) -> dict[str, float]:
             if "packing" in run.cpu
         ],
         "forcing_per_cell": [
-            (
-                run.cpu["forcing"]
-                + run.cpu.get("analytic", 0.0)
-                - forcing_jobs(run.scene) * found["job"]
-            )
-            / (run.scene.time.windows * _cells(run.scene))
+            run.cpu["forcing"] / (run.scene.time.windows * _cells(run.scene))
             for run in runs
             if "forcing" in run.cpu
         ],
@@ -197,6 +194,8 @@ def _fit_jobs(runs: Sequence[Run]) -> dict[str, float]:
             windows = float(run.scene.time.windows)
             rows.append([1.0, windows, windows * run.record["elements"]])
             values.append(max(run.cpu["window"], 1e-3))
+    if not rows:
+        return found
     launch, window, each = _solve(rows, values)
     return {
         **found,

@@ -9,6 +9,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+# Rules whose CPU seconds the records of the windows tell in parts.
+WINDOW_RULES = ("windows", "variant")
+
 
 @dataclass
 class Outcome:
@@ -21,7 +24,8 @@ class Outcome:
     fault : str
         The sentence with which it failed; empty where it did not.
     cpu : dict
-        CPU seconds by part: dynamics and column within the windows, other stages by name.
+        CPU seconds by part: dynamics, column and forcing within the windows, ``window`` for what
+        else their job takes, other stages by name.
     wall : dict
         Wall seconds of the parts of the windows.
     element_steps : float
@@ -49,7 +53,9 @@ class Outcome:
         return sum(self.cpu.values())
 
 
-def read_outcome(name: str, fault: str, costs: Iterable[Path], stages: Path) -> Outcome:
+def read_outcome(
+    name: str, fault: str, costs: Iterable[Path], stages: Path, job: float | None = None
+) -> Outcome:
     """What a run's stages and windows cost.
 
     Parameters
@@ -62,11 +68,17 @@ def read_outcome(name: str, fault: str, costs: Iterable[Path], stages: Path) -> 
         Records of its windows.
     stages : Path
         Folder with the CPU seconds of its other stages.
+    job : float, optional
+        CPU seconds of the job that ran all windows; None where none did.
     """
-    outcome = Outcome(name, fault, stage_cpu(stages))
+    stage = {rule: cpu for rule, cpu in stage_cpu(stages).items() if rule not in WINDOW_RULES}
+    outcome = Outcome(name, fault)
     for path in sorted(costs):
         if path.is_file():
             _add_windows(outcome, json.loads(path.read_text()))
+    if job is not None:
+        outcome.cpu["window"] = max(0.0, job - outcome.cpu_seconds)
+    outcome.cpu |= stage
     return outcome
 
 

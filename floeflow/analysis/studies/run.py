@@ -20,6 +20,7 @@ from floeflow.analysis.studies.compare import (
 from floeflow.analysis.studies.outcome import Outcome, read_outcome
 from floeflow.analysis.studies.variants import BASE, Variant
 from floeflow.core.errors import FloeError
+from floeflow.core.records import cpu_seconds
 from floeflow.coupling.chunk import Chunk, run_chunk
 
 # Ice does not drift faster: such a run is unstable though it ended.
@@ -64,14 +65,16 @@ def run_variant(
     FloeError
         Where the base run fails. A variant that fails is a result: its record says why.
     """
-    fault = ""
+    fault, began, ran = "", cpu_seconds(), 0
     try:
-        run_chunk(chunk)
+        ran = run_chunk(chunk)
     except FloeError as error:
         if variant.name == BASE:
             raise FloeError(f"the scene itself does not run: {error}") from None
         fault = str(error)
-    outcome = read_outcome(chunk.scene.name, fault, [chunk.path("cost", ".json")], stages)
+    # A job that went on after an interruption does not know what all windows took.
+    job = cpu_seconds() - began if ran == len(chunk.windows) else None
+    outcome = read_outcome(chunk.scene.name, fault, [chunk.path("cost", ".json")], stages, job)
     ends = [str(chunk.state), str(chunk.path("state"))]
     found: dict[str, Any] = {}
     if not fault:

@@ -83,8 +83,6 @@ def load_plugin() -> ctypes.CDLL:
         If it is not there, cannot be loaded or lacks a function, as an older one does.
     """
     path = plugin_path()
-    if not path.is_file():
-        raise FloeError(f"The LIGGGHTS plugin {path} does not exist: `make setup` makes it.")
     try:
         library = ctypes.CDLL(str(path), mode=ctypes.RTLD_GLOBAL)
     except OSError as error:

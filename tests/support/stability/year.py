@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Runs of many daily windows of `smoke`, in groups, under weather that knows the date."""
+"""Runs of many daily windows of `smoke`, in chunks, under weather that knows the date."""
 
 from __future__ import annotations
 
@@ -13,21 +13,19 @@ import xarray as xr
 import yaml
 
 from floeflow.core.grids import from_lonlat, scene_crs, scene_grid, to_lonlat
+from floeflow.core.plugin import plugin_path
 from floeflow.core.vectors import map_to_east_north, north_angle
-from floeflow.coupling import initial, resume
-from floeflow.coupling.job import Job
-from floeflow.coupling.launch import fixed_hashes, run_ranks
+from floeflow.coupling import initial
+from floeflow.coupling.chunk import Chunk, run_chunk
 from floeflow.forcings import analytic
 from floeflow.forcings import cf_variables as names
-from floeflow.forcings.forcing import make_forcing
 from floeflow.masks import land, mask
 from floeflow.packings import bonds, packing
 from floeflow.packings import fresh_cells as cells
 from floeflow.scene import Scene, load_scene
 from floeflow.scene.effects import forcing_variables
-from floeflow.scene.windows import window_groups
+from floeflow.scene.windows import window_chunks
 from floeflow.state import write_dataset, write_state
-from floeflow.workflow.open_run import PLUGIN
 
 DAY = 86400.0
 # Storms cross the scene one after the other, each so many days long.
@@ -108,7 +106,7 @@ class Start:
     project: Path
     folder: Path
     scene: Scene
-    cells: str
+    cells: Path | None
 
 
 def make_scene(
@@ -134,6 +132,7 @@ def make_scene(
         "time": {"start": start, "windows": windows, "window": DAY},
         "forcing": {**text["forcing"], "step": DAY, "source": "file", "file": str(path)},
         "workflow": {"windows_per_job": per_job},
+        "state": {"keep": "all"},
         "effects": [*Scene(name="any").effects, *more],
     }
     (place / "year.yaml").write_text(yaml.safe_dump(text))
@@ -149,26 +148,20 @@ def prepare(project: Path, place: Path, scene: Scene) -> Start:
     glued = bonds.make_bonds(packed, scene.packing.bond_gap, scene.packing.bond_concentration)
     folder = place / "results/year"
     write_state(initial.make_state(scene, packed, glued), folder / "state/0000.nc")
-    fresh = ""
+    fresh = None
     if "remap" in scene.effects:
-        fresh = str(folder / "preprocess/cells.nc")
+        fresh = folder / "preprocess/cells.nc"
         write_dataset(cells.make_cells(ice, packed, scene.seed), fresh)
     return Start(project, folder, scene, fresh)
 
 
 def run(at: Start, ranks: int) -> Iterator[list[str]]:
-    """Run group after group, as the rule of windows does; yields the windows of each."""
-    fixed = fixed_hashes(at.scene, at.project / PLUGIN, ranks)
-    values, previous = at.scene.model_dump(mode="json"), "0000"
-    time = at.scene.time
-    for group in window_groups(time.windows, at.scene.workflow.windows_per_job).values():
-        paths = []
-        for window in group:
-            paths.append(str(at.folder / f"forcing/{window}.nc"))
-            write_dataset(make_forcing(at.scene, at.scene.forcing.file, int(window)), paths[-1])
-        state = str(at.folder / f"state/{previous}.nc")
-        job = Job(values, state, group, paths, str(at.folder), fixed, at.cells)
-        run_ranks(job, ranks, at.folder / f"log/window/{group[-1]}.ranks.log")
-        resume.publish(at.folder, group)
-        previous = group[-1]
-        yield group
+    """Run chunk after chunk, as the rule of windows does; yields the windows of each."""
+    previous, time = "0000", at.scene.time
+    for windows in window_chunks(time.windows, at.scene.workflow.windows_per_job).values():
+        state = at.folder / f"state/{previous}.nc"
+        plugin = plugin_path(at.project)
+        chunk = Chunk(at.scene, at.folder, tuple(windows), state, plugin, ranks, at.cells)
+        assert run_chunk(chunk) == len(windows)
+        previous = chunk.name
+        yield windows

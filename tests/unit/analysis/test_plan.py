@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,6 @@ from floeflow.packings.packing import make_packing
 from floeflow.scene import Scene, load_scene
 from floeflow.scene.load import build_scene, read_keys
 from floeflow.state.elements import element_arrays, pair_arrays
-from floeflow.workflow.job import CPU_LINE
 
 ROOT = Path(__file__).parents[3]
 SMOKE = ROOT / "config/scenes/smoke.yaml"
@@ -122,7 +122,8 @@ def made_record(scene: Scene, c: Conditions, fit: dict[str, float]) -> dict:
     s = sizes(c, scene, scene.effects, fit)
     seconds = stage_seconds(s, scene.effects, fit)
     step = scene.time.windows * scene.time.window / s.steps
-    cpu = {name: seconds[name] for name in ("dynamics", "column", "window") if name in seconds}
+    parts = ("dynamics", "column", "window", "forcing")
+    cpu = {name: seconds[name] for name in parts if name in seconds}
     cpu |= {"initial": fit["job"], "land": fit["land"]}
     return {
         "cpu": cpu,
@@ -137,7 +138,8 @@ def made_record(scene: Scene, c: Conditions, fit: dict[str, float]) -> dict:
 def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions):
     truth = {**coefficients(), "job": 0.7, "step": 2e-5, "dynamics": 4e-8, "dynamics_bonds": 5e-8}
     truth |= {"dynamics_wind": 1e-8, "dynamics_friction": 2e-8, "column": 3e-6, "land": 2.0}
-    truth |= {"launch": 1.0, "window": 0.2, "window_per_element": 3e-5, "column_start": 0.01}
+    truth |= {"forcing_per_cell": 2e-5, "launch": 1.0, "window": 0.2}
+    truth |= {"window_per_element": 3e-5, "column_start": 0.01}
     runs = []
     for elements in (100, 400, 1600):
         for effects in (
@@ -155,7 +157,8 @@ def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions
                 own = adjusted(c, other)
                 runs.append(Run(other, own, made_record(other, own, truth)))
     found = fit_costs(runs, coefficients())
-    for name in ("job", "step", "dynamics", "dynamics_bonds", "dynamics_friction", "column"):
+    names = ("job", "step", "dynamics", "dynamics_bonds", "dynamics_friction", "column")
+    for name in (*names, "forcing_per_cell"):
         assert found[name] == pytest.approx(truth[name], rel=0.02), name
     assert found["launch"] == pytest.approx(1.0, rel=0.05)
     # Samples cut the step a little.
@@ -180,16 +183,21 @@ def test_a_plan_knows_the_step_of_the_scenes_own_pack(scene: Scene, c: Condition
 
 def test_reports_and_grids_are_timed_by_whole_runs(tmp_path: Path):
     run = tmp_path / "one"
-    (run / "log/grid").mkdir(parents=True)
-    (run / "grid").mkdir()
-    stages = {"estimate": 1.0, "diagnostics": 2.0, "report": 4.0, "land": 3.0}
-    for name, seconds in stages.items() | {("grid/0000", 1.5), ("grid/0001", 2.5)}:
-        (run / f"log/{name}.log").write_text(f"x {CPU_LINE}{seconds} s\n")
-    grid = xr.Dataset({"siconc": (("y", "x"), np.zeros((4, 5)))}, {"x": range(5), "y": range(4)})
-    for window in range(2):
-        grid.to_netcdf(run / f"grid/{window:04d}.nc")
+    (run / "cpu").mkdir(parents=True)
+    (run / "fields").mkdir()
+    stages = [("estimate", 1.0), ("diagnostics", 2.0), ("report", 4.0), ("land", 3.0)]
+    for rule, seconds in [*stages, ("fields", 2.5), ("fields", 3.5)]:
+        path = run / f"cpu/{rule}-{seconds}.json"
+        path.write_text(json.dumps({"rule": rule, "cpu_seconds": seconds}))
+    grid = xr.Dataset(
+        {"siconc": (("time", "y", "x"), np.zeros((2, 4, 5)))}, {"x": range(5), "y": range(4)}
+    )
+    grid.to_netcdf(run / "grid.nc")
+    for chunk in ("0001", "0002"):
+        grid.to_netcdf(run / f"fields/{chunk}.nc")
     found = fit_whole_runs([run], job=1.0)
-    assert found == {"report": 7.0, "land": 3.0, "grid_per_cell": pytest.approx(0.05)}
+    # Two jobs of one second each; the other four are for 2 x 20 cells.
+    assert found == {"report": 7.0, "land": 3.0, "grid_per_cell": pytest.approx(0.1)}
     assert fit_whole_runs([], job=1.0) == {}
 
 
@@ -244,9 +252,9 @@ def test_a_choice_has_its_own_error_and_the_best_has_none(scene: Scene, c: Condi
 
 def test_held_out_scenes_are_not_fitted_to(tmp_path: Path):
     name = sorted(held_out())[0]
-    base = tmp_path / name / "accuracy/scenes/base.yaml"
-    base.parent.mkdir(parents=True)
-    base.write_text("")
+    for path in (f"{name}/accuracy/digest.json", f"{name}+accuracy-base/scene.yaml"):
+        (tmp_path / path).parent.mkdir(parents=True)
+        (tmp_path / path).write_text("")
     with pytest.raises(FloeError, match="there is no study to fit to"):
         refit(tmp_path, tmp_path / "costs.json", tmp_path / "precision.json")
 

@@ -30,26 +30,19 @@ from floeflow.analysis.studies.accuracy_table import (
 )
 from floeflow.analysis.studies.knobs import knobs
 from floeflow.analysis.studies.measures import KEPT, NORMS
-from floeflow.analysis.studies.nested import read_outcome
 from floeflow.analysis.studies.orders import observed_order, with_tail
+from floeflow.analysis.studies.outcome import read_outcome
 from floeflow.analysis.studies.plans import STUDIES, study_variants
 from floeflow.analysis.studies.recommend import most_accurate, quieted, recommend, settings
-from floeflow.analysis.studies.share import link_shared, shared_files
-from floeflow.analysis.studies.variants import (
-    Variant,
-    changed,
-    run_name,
-    variant_keys,
-    write_variant,
-)
+from floeflow.analysis.studies.run import FASTEST, results_of
+from floeflow.analysis.studies.variants import Variant, changed, run_name, variant_scene
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_grid
 from floeflow.report.study_page import Study, as_markdown, render_study
 from floeflow.scene import Scene, load_scene
 from floeflow.scene.effects import EFFECTS
-from floeflow.scene.load import build_scene
-from floeflow.state import write_dataset
-from floeflow.workflow.job import CPU_LINE
+from floeflow.scene.hashes import BEFORE, chain_hash
+from floeflow.scene.load import read_keys
 from support.synthetic import make_run
 
 ROOT = Path(__file__).parents[3]
@@ -69,22 +62,19 @@ def test_changes_are_set_by_dotted_key_and_leave_the_scene_alone():
     assert keys == {"time": {"windows": 2}}
 
 
-def test_a_variant_is_a_scene_of_its_own(tmp_path: Path):
-    scene = load_scene(SMOKE)
+def test_a_variant_is_a_scene_of_its_own():
+    scene, keys = load_scene(SMOKE), read_keys(SMOKE)
     variant = Variant("fine", {"packing.elements": 400})
-    path = tmp_path / "fine.yaml"
-    write_variant(variant_keys(SMOKE, scene, "accuracy", variant), path)
-    made = load_scene(path)
-    assert made.name == "smoke--accuracy-fine" and made.packing.elements == 400
+    made = variant_scene(keys, scene, "accuracy", variant)
+    assert made.name == "smoke+accuracy-fine" and made.packing.elements == 400
     assert made.effects == scene.effects and made.domain == scene.domain
     assert Variant.from_text(variant.as_text()) == variant
+    # One job runs all of its windows.
     assert made.workflow.windows_per_job == scene.time.windows
-    before = path.stat().st_mtime_ns
-    write_variant(variant_keys(SMOKE, scene, "accuracy", variant), path)
-    assert path.stat().st_mtime_ns == before
-    with pytest.raises(FloeError, match="variant 'smoke--accuracy-bad': packing.elements"):
-        bad = Variant("bad", {"packing.elements": 0})
-        write_variant(variant_keys(SMOKE, scene, "accuracy", bad), path)
+    longer = variant_scene(keys, scene, "accuracy", Variant("long", {"time.windows": 99}))
+    assert longer.workflow.windows_per_job == 99
+    with pytest.raises(FloeError, match=r"variant 'smoke\+accuracy-bad': packing.elements"):
+        variant_scene(keys, scene, "accuracy", Variant("bad", {"packing.elements": 0}))
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -95,7 +85,7 @@ def test_every_variant_of_the_example_scenes_is_valid(name: str, study: str):
     variants = study_variants(study, scene)
     assert next(iter(variants)) == "base"
     for variant in variants.values():
-        made = build_scene(variant_keys(path, scene, study, variant))
+        made = variant_scene(read_keys(path), scene, study, variant)
         assert made.name == run_name(name, study, variant.name)
         length = made.time.windows * made.time.window
         assert length == pytest.approx(scene.time.windows * scene.time.window)
@@ -111,32 +101,26 @@ def test_ablation_leaves_out_each_effect_and_what_needs_it():
     assert "refreeze" not in variants["no_bonds"].changes["effects"]
 
 
-def test_runs_share_what_their_keys_share(tmp_path: Path):
+def test_runs_share_what_their_keys_share():
+    """Where hashes agree, a variant takes the base scene's file of that stage."""
     scene = load_scene(SMOKE)
-    soft = scene.model_copy(
-        update={
-            "name": "soft",
-            "dynamics": scene.dynamics.model_copy(update={"young_modulus": 1.0e8}),
-        }
-    )
-    more = scene.model_copy(
-        update={"name": "more", "packing": scene.packing.model_copy(update={"elements": 9})}
-    )
-    for name, _ in shared_files(scene, scene):
-        path = tmp_path / scene.name / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(name)
-    assert link_shared(scene, soft, tmp_path) == 10  # land, mask, packing, bonds, 2 x 3 forcing
-    assert (tmp_path / "soft/preprocess/packing.nc").read_text() == "preprocess/packing.nc"
-    assert link_shared(scene, soft, tmp_path) == 0
-    link_shared(scene, more, tmp_path)
-    assert (tmp_path / "more/preprocess/mask.nc").exists()
-    assert not (tmp_path / "more/preprocess/packing.nc").exists()
+
+    def same(changes: dict) -> set[str]:
+        made = variant_scene(read_keys(SMOKE), scene, "accuracy", Variant("x", changes))
+        return {stage for stage in BEFORE if chain_hash(made, stage) == chain_hash(scene, stage)}
+
+    assert same({"dynamics.young_modulus": 1.0e8}) == set(BEFORE)
+    assert same({"time.window": 43200.0}) == set(BEFORE)
+    # What is made from another packing is another file, though it reads no other key.
+    assert same({"packing.elements": 9}) == {"land", "mask"}
+
+    assert same({"column.categories": 2}) == {"land", "mask", "packing", "bonds", "cells"}
+    assert same({"mask.refine": 2 * scene.mask.refine}) == set()
 
 
 def test_a_run_equals_itself_and_a_moved_one_by_its_move(tmp_path: Path):
     run = make_run(tmp_path, windows=1)
-    ends = compare.read_ends(run.folder)
+    ends = compare.read_ends(run.state(0), run.state(1))
     found = compare.differences(ends, ends)
     assert set(found.values()) == {0.0}
     moved = ends.last.copy(deep=True)
@@ -152,14 +136,37 @@ def test_a_run_equals_itself_and_a_moved_one_by_its_move(tmp_path: Path):
     assert 1000 < compare.drift_difference(ends, half) < 9000
 
 
-def test_costs_are_read_from_logs_and_cost_files(tmp_path: Path):
+def test_costs_are_read_from_what_jobs_and_windows_left(tmp_path: Path):
     run = make_run(tmp_path, windows=2)
-    log = run.folder / "log/forcing/0001.log"
-    log.parent.mkdir(parents=True)
-    log.write_text(f"2026-01-01 root INFO {CPU_LINE}1.250 s\n")
-    outcome = read_outcome(run.scene, "", tmp_path / "results")
-    assert outcome.cpu["forcing"] == 1.25
-    assert outcome.steps > 0 and outcome.element_steps > outcome.steps
+    for name, seconds in (("packing", 1.25), ("variant", 99.0), ("windows-0002", 99.0)):
+        path = run.folder / f"cpu/{name}.json"
+        path.parent.mkdir(exist_ok=True)
+        rule = name.partition("-")[0]
+        path.write_text(json.dumps({"rule": rule, "cpu_seconds": seconds}))
+    costs = run.of_chunks("cost", ".json")
+    outcome = read_outcome(run.scene.name, "", costs, run.folder / "cpu")
+    # Nor an earlier try of this very job, nor windows that their own records tell.
+    assert outcome.cpu == {"packing": 1.25, "dynamics": 4.2}
+    assert outcome.steps == 8000 and outcome.element_steps == 8000 * outcome.elements
+    whole = read_outcome(run.scene.name, "", costs, run.folder / "cpu", job=5.0)
+    assert whole.cpu["window"] == pytest.approx(5.0 - 4.2)
+    assert whole.cpu_seconds == pytest.approx(5.0 + 1.25)
+
+
+def test_a_run_whose_ice_flies_away_has_failed(tmp_path: Path):
+    run = make_run(tmp_path, windows=1)
+    ends = compare.read_ends(run.state(0), run.state(1))
+    found, fault = results_of(ends, ends)
+    assert not fault and found["differences"]["drift"] == 0.0
+    fast = ends.last.copy(deep=True)
+    fast["u"].values[0] = -1.01 * FASTEST
+    assert results_of(ends, compare.RunEnds(ends.first, fast)) == (
+        {},
+        "unstable: the ice moves at 5.05 m/s",
+    )
+    lost = ends.last.copy(deep=True)
+    lost["ice_volume"].values[0] = np.nan
+    assert results_of(ends, compare.RunEnds(ends.first, lost))[1].startswith("unstable")
 
 
 @pytest.mark.parametrize("order", [1.0, 2.0])
@@ -329,12 +336,12 @@ def test_the_grid_norms_see_the_transfer(tmp_path: Path):
     run = make_run(tmp_path / "results", windows=1)
     scene = run.scene
     mask = sea_mask(scene)
-    write_dataset(mask, run.folder / "preprocess/mask.nc")
+    ends = [str(run.state(window)) for window in (0, 1)]
     records = {
-        name: {"name": scene.name, "changes": changes, "fault": ""}
+        name: {"ends": ends, "changes": changes, "fault": ""}
         for name, changes in (("base", {}), ("near", {"grid.transfer": "nearest"}))
     }
-    found = Runs(scene, records, run.folder.parent).errors("base", "near")
+    found = Runs(scene, records, mask).errors("base", "near")
     assert found["sithick"] > 0 or found["siconc"] > 0
     assert found["drift"] == found["volume"] == 0.0
 

@@ -23,7 +23,7 @@ def job(tmp_path: Path) -> Job:
     """A job whose state does not exist."""
     scene = parse_scene(b"", "a").model_dump(mode="json")
     none = str(tmp_path / "none.nc")
-    return Job(scene, none, ["0001"], [none], str(tmp_path), {})
+    return Job(scene, none, ["0001"], 0, ["hash"], str(tmp_path), {})
 
 
 def test_events_are_told_apart_on_one_line(caplog: pytest.LogCaptureFixture):

@@ -14,7 +14,13 @@ import xarray as xr
 
 from floeflow.core.errors import FloeError
 from floeflow.diagnostics.budgets import Limits, relative, verdict
-from floeflow.diagnostics.collect import displacement, read_cost, summarise_grids, window_file
+from floeflow.diagnostics.collect import (
+    cell_area,
+    displacement,
+    read_cost,
+    read_grid,
+    summarise_grid,
+)
 from floeflow.diagnostics.diagnostics import diagnose, write_json
 from floeflow.state import read_dataset, read_state, write_dataset
 from support.scripts import load_script
@@ -28,15 +34,7 @@ def copy(run: Run, tmp_path: Path) -> Run:
 
 
 def results(run: Run) -> tuple[xr.Dataset, dict]:
-    grids = [run.path("grid", window) for window in (0, run.windows[-1])]
-    return diagnose(run.folder, run.windows, grids, run.scene.effects)
-
-
-def spoil(run: Run, window: int, name: str, delta: float) -> None:
-    path = run.path("series", window)
-    series = read_dataset(path)
-    series[name] = series[name] + delta
-    write_dataset(series, path)
+    return diagnose(run.files, run.scene.effects, run.scene.domain)
 
 
 def budget(numbers: dict, name: str) -> dict:
@@ -64,12 +62,12 @@ def test_budgets_of_an_intact_run_close(run: Run):
 
 def test_totals_are_those_of_the_states(run: Run):
     data, numbers = results(run)
-    last = read_state(run.path("state", 3))
+    last = read_state(run.state(3))
     volume = float((last["area"] * last["ice_volume"].sum("category")).sum())
     assert data["ice_volume"].values[-1] == pytest.approx(volume, rel=1e-14)
     assert numbers["headline"]["ice_volume_end"] == data["ice_volume"].values[-1]
     assert data["boundary_time"].values.tolist() == [0, WINDOW, 2 * WINDOW, 3 * WINDOW]
-    first = read_state(run.path("state", 0))
+    first = read_state(run.state(0))
     mobile = last["type"].values == 1
     step = np.hypot(last["x"] - first["x"], last["y"] - first["y"]).values
     drift = np.average(step[mobile], weights=last["area"].values[mobile])
@@ -81,7 +79,7 @@ def test_broken_bonds_are_counted_over_all_windows(run: Run):
     _, numbers = results(run)
     pairs = [
         set(zip(s["bond_id_lo"].values, s["bond_id_hi"].values, strict=True))
-        for s in (read_state(run.path("state", window)) for window in (0, 3))
+        for s in (read_state(run.state(window)) for window in (0, 3))
     ]
     lost = pairs[0] - pairs[1]
     assert len(lost) > 5
@@ -89,17 +87,18 @@ def test_broken_bonds_are_counted_over_all_windows(run: Run):
 
 
 def test_bond_that_heals_in_a_later_window_still_broke(copy: Run):
-    full = read_state(copy.path("state", 1))
-    data = full.isel(bond=slice(1, None))
-    write_dataset(data, copy.path("state", 1))
-    _, spoiled = results(copy)
-    _, untouched = results(Run(copy.root, copy.scene_file, copy.scene, [2, 3]))
-    assert spoiled["headline"]["bonds_broken"] == untouched["headline"]["bonds_broken"] + 1
+    before = results(copy)[1]["headline"]["bonds_broken"]
+    path = copy.chunk_of("series", 1)
+    series = read_dataset(path)
+    # One more breaks in window 1, and is there again when window 2 starts.
+    series["intact_bonds"].values[np.flatnonzero(series["sample_window"] == 1)[-1]] -= 1
+    write_dataset(series, path)
+    assert results(copy)[1]["headline"]["bonds_broken"] == before + 1
 
 
 def test_cost_adds_up(run: Run):
     _, numbers = results(run)
-    steps, elements = 3 * 4000, read_state(run.path("state", 0)).sizes["element"]
+    steps, elements = 3 * 4000, read_state(run.state(0)).sizes["element"]
     assert numbers["headline"]["element_steps"] == steps * elements
     assert numbers["window_seconds"]["dynamics"] == pytest.approx(1.0 + 1.1 + 1.2)
     speed = steps * elements / 3.3
@@ -107,13 +106,13 @@ def test_cost_adds_up(run: Run):
 
 
 def test_spoiled_impulse_is_found_in_its_window(copy: Run):
-    spoil(copy, 2, "impulse_wind_y", 5.0e9)
+    copy.change_series(2, "impulse_wind_y", 5.0e9)
     data, numbers = results(copy)
     found = budget(numbers, "momentum_y")
     assert found["worst_window"] == 2
     assert found["residual"] == pytest.approx(-5.0e9, rel=1e-4)
-    terms = [n for n in read_dataset(copy.path("series", 2)) if str(n).startswith("impulse_")]
-    series = read_dataset(copy.path("series", 2))
+    series = read_dataset(copy.chunk_of("series", 2)).sel(window=2)
+    terms = [n for n in series if str(n).startswith("impulse_")]
     scale = sum(abs(float(series[n])) for n in terms if str(n).endswith("_y"))
     assert found["relative"] == pytest.approx(5.0e9 / scale, rel=1e-4)
     assert found["verdict"] == "open"
@@ -122,37 +121,34 @@ def test_spoiled_impulse_is_found_in_its_window(copy: Run):
 
 
 def test_faults_of_opposite_sign_do_not_cancel(copy: Run):
-    spoil(copy, 1, "energy_ocean", 1.0e15)
-    spoil(copy, 2, "energy_ocean", -1.0e15)
+    copy.change_series(1, "energy_ocean", 1.0e15)
+    copy.change_series(2, "energy_ocean", -1.0e15)
     found = budget(results(copy)[1], "column_energy")
     assert abs(found["residual"]) < 1e6
     assert found["verdict"] == "open"
 
 
 def test_volume_lost_in_the_dynamics_opens_its_budget(copy: Run):
-    spoil(copy, 3, "ice_volume_dynamics", -1.0e3)
+    copy.change_series(3, "ice_volume_dynamics", -1.0e3)
     found = budget(results(copy)[1], "ice_volume_dynamics")
     assert found["change"] == pytest.approx(-1.0e3, rel=1e-3)
     assert found["verdict"] == "open"
 
 
 def test_state_that_lost_ice_opens_the_volume_budget(copy: Run):
-    state = read_state(copy.path("state", 2))
-    state["ice_volume"] = state["ice_volume"] * (1.0 - 1e-7)
-    write_dataset(state, copy.path("state", 2))
+    def lose(state: xr.Dataset) -> None:
+        state["ice_volume"] = state["ice_volume"] * (1.0 - 1e-7)
+
+    copy.change_elements(2, lose)
     found = budget(results(copy)[1], "ice_volume")
     assert found["verdict"] == "fair"
     assert found["relative"] == pytest.approx(1e-7, rel=0.05)
 
 
 def test_grid_that_lost_ice_opens_its_budget(copy: Run):
-    path = copy.path("grid", 3)
-    with xr.open_dataset(path) as opened:
-        grid = opened.load()
-    grid["siconc"] = grid["siconc"] * 0.9
-    grid["siconc"].attrs["cell_measures"] = "area: areacello"
-    path.unlink()
-    grid.to_netcdf(path)
+    grid = read_grid(copy.grid)
+    grid["siconc"].values[3] *= 0.9
+    grid.to_netcdf(copy.grid)
     found = budget(results(copy)[1], "grid_ice_area")
     assert found["relative"] == pytest.approx(0.1)
     assert (found["verdict"], found["worst_window"]) == ("open", 3)
@@ -161,36 +157,32 @@ def test_grid_that_lost_ice_opens_its_budget(copy: Run):
 def test_ice_that_has_left_the_grid_is_a_term_of_its_budget(copy: Run):
     """Half of the ice off the grid, and said so: the budget closes as it did before."""
     before = budget(results(copy)[1], "grid_ice_area")
-    last = copy.path("grid", 3)
-    for path in last.parent.glob("*.nc"):
-        with xr.open_dataset(path, decode_times=False) as opened:
-            grid = opened.load()
-        left, attrs = 0.5 if path == last else 0.0, grid["siconc"].attrs
-        area = grid[attrs["cell_measures"].split()[1]]
-        grid["siarea_outside"] = left * float((grid["siconc"] * area).sum())
-        grid["siconc"] = (1.0 - left) * grid["siconc"]
-        grid["siconc"].attrs = attrs
-        path.unlink()
-        grid.to_netcdf(path)
+    grid = read_grid(copy.grid)
+    left = np.array([0.0, 0.0, 0.0, 0.5])
+    total = (grid["siconc"] * cell_area(grid, copy.grid)).sum(("y", "x")).values
+    grid["siarea_outside"] = ("time", left * total)
+    grid["siconc"].values[:] *= 1.0 - left[:, None, None]
+    grid.to_netcdf(copy.grid)
     found = budget(results(copy)[1], "grid_ice_area")
     assert found["verdict"] == before["verdict"]
     assert found["relative"] == pytest.approx(before["relative"], abs=1e-12)
 
 
 def test_grid_totals_take_the_named_area_and_per_cent(tmp_path: Path):
+    attrs = {"units": "%", "cell_measures": "area: sea"}
     grid = xr.Dataset(
         {
-            "siconc": (("y", "x"), [[50.0, np.nan]], {"units": "%", "cell_measures": "area: sea"}),
+            "siconc": (("time", "y", "x"), [[[50.0, np.nan]], [[25.0, 0.0]]], attrs),
             "sea": (("y", "x"), [[4.0, 8.0]]),
             "cell_area": (("y", "x"), [[10.0, 10.0]]),
+            "window": ("time", [7, 8]),
         },
-        coords={"x": [0.0, 1.0], "y": [0.0]},
+        coords={"x": [0.0, 1.0], "y": [0.0], "time": [0.0, 1.0]},
     )
-    grid["siconc"].attrs["cell_measures"] = "area: sea"
-    grid.to_netcdf(tmp_path / "0007.nc")
-    totals = summarise_grids([tmp_path / "0007.nc"])
-    assert totals["grid_ice_area"].values.tolist() == [2.0]
-    assert totals["grid_window"].values.tolist() == [7]
+    grid.to_netcdf(tmp_path / "grid.nc")
+    totals = summarise_grid(tmp_path / "grid.nc")
+    assert totals["grid_ice_area"].values.tolist() == [2.0, 1.0]
+    assert totals["grid_window"].values.tolist() == [7, 8]
 
 
 def test_only_what_the_effects_bring(tmp_path: Path):
@@ -216,18 +208,20 @@ def test_no_ice_gives_zeros_and_no_nan(tmp_path: Path):
     json.dumps(numbers, allow_nan=False)
 
 
-@pytest.mark.parametrize("kind, suffix", [("series", ".nc"), ("state", ".nc"), ("cost", ".json")])
+@pytest.mark.parametrize(
+    "kind, suffix", [("series", ".nc"), ("elements", ".nc"), ("cost", ".json")]
+)
 def test_missing_file_is_one_sentence(copy: Run, kind: str, suffix: str):
-    path = copy.path(kind, 2, suffix)
+    path = copy.chunk_of(kind, 2, suffix)
     path.unlink()
-    with pytest.raises(FloeError, match="0002.*window 2 is not complete") as fault:
+    with pytest.raises(FloeError) as fault:
         results(copy)
     assert str(path) in str(fault.value)
     assert "\n" not in str(fault.value)
 
 
 def test_missing_variable_names_file_and_variable(copy: Run):
-    path = copy.path("series", 3)
+    path = copy.chunk_of("series", 3)
     write_dataset(read_dataset(path).drop_vars("impulse_tilt_x"), path)
     with pytest.raises(FloeError, match="0003.nc: variable 'impulse_tilt_x' is missing"):
         results(copy)
@@ -235,29 +229,29 @@ def test_missing_variable_names_file_and_variable(copy: Run):
 
 @pytest.mark.parametrize("text", ["", "{}}", '[{"name": "dynamics"}]', "3"])
 def test_broken_cost_file_is_named(copy: Run, text: str):
-    path = copy.path("cost", 1, ".json")
+    path = copy.chunk_of("cost", 1, ".json")
     path.write_text(text)
-    with pytest.raises(FloeError, match="0001.json: is no list of benchmark records"):
-        read_cost(path.parent, [1])
+    with pytest.raises(FloeError, match="0002.json: is no list of benchmark records"):
+        read_cost([path])
 
 
 def test_damaged_grid_is_named(copy: Run):
-    copy.path("grid", 3).write_bytes(b"no NetCDF")
-    with pytest.raises(FloeError, match="0003.nc: cannot be read as NetCDF"):
+    copy.grid.write_bytes(b"no NetCDF")
+    with pytest.raises(FloeError, match="grid.nc: cannot be read as NetCDF"):
         results(copy)
 
 
-def test_main_finds_the_inner_windows_of_a_group(copy: Run):
-    folder, last = copy.folder, copy.windows[-1]
+def test_the_rule_joins_all_chunks(copy: Run):
+    folder, files = copy.folder, copy.files
     given = SimpleNamespace(
         input=SimpleNamespace(
-            states=[str(copy.path("state", 0)), str(copy.path("state", last))],
-            series=[str(copy.path("series", last))],
-            cost=[str(copy.path("cost", last, ".json"))],
-            grids=[str(copy.path("grid", 0)), str(copy.path("grid", last))],
+            scene=str(copy.scene_file),
+            first=str(files.first),
+            elements=list(map(str, files.elements)),
+            series=list(map(str, files.series)),
+            cost=list(map(str, files.cost)),
+            grid=str(files.grid),
         ),
-        params=SimpleNamespace(windows=["0001", "0002", "0003"]),
-        config={"scene": str(copy.scene_file)},
         output=SimpleNamespace(
             dataset=str(folder / "diagnostics.nc"), headline=str(folder / "diagnostics.json")
         ),
@@ -274,7 +268,7 @@ def test_main_finds_the_inner_windows_of_a_group(copy: Run):
 
 
 def test_displacement_is_of_elements_in_both_states(run: Run):
-    first, last = read_state(run.path("state", 0)), read_state(run.path("state", 3))
+    first, last = read_state(run.state(0)), read_state(run.state(3))
     fewer = last.isel(element=slice(5, None))
     moved, step = displacement(first, fewer)
     assert moved["id"].values[0] == 6
@@ -295,8 +289,3 @@ def test_json_holds_null_for_what_is_not_finite(tmp_path: Path):
     write_json({"a": float("nan"), "b": [1.0, float("inf")]}, tmp_path / "x.json")
     assert json.loads((tmp_path / "x.json").read_text()) == {"a": None, "b": [1.0, None]}
     assert [path.name for path in tmp_path.iterdir()] == ["x.json"]
-
-
-def test_window_file_names_the_window(tmp_path: Path):
-    with pytest.raises(FloeError, match="window 12 is not complete"):
-        window_file(tmp_path, 12, ".nc")

@@ -14,10 +14,11 @@ import xarray as xr
 from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.core.errors import FloeError
 from floeflow.diagnostics.budgets import grid_budget
-from floeflow.diagnostics.cf_output import write_grid
+from floeflow.diagnostics.cf_output import join_files, join_times, write_grid
 from floeflow.diagnostics.gridded import gridded_fields, hat_reach, make_grid, sea_room
 from floeflow.scene import load_scene
 from floeflow.state import write_dataset, write_state
+from floeflow.state.snapshots import write_snapshots
 from floeflow.transfer import Grid
 from support.scripts import load_script
 
@@ -341,21 +342,71 @@ def test_without_thermodynamics_there_is_no_snow(tmp_path):
     assert "sisnthick" not in data and "sithick" in data
 
 
+def later(state, window):
+    """The state at another window's end."""
+    moved = state.copy(deep=True)
+    moved.attrs |= {"window": window, "time": 86400.0 * window}
+    return moved
+
+
 def test_rule_writes_the_same_bytes_twice(scene, tmp_path, caplog):
-    write_state(make_state(), tmp_path / "0002.nc")
+    write_state(make_state(), tmp_path / "0000.nc")
+    write_snapshots([later(make_state(), k) for k in (1, 2)], tmp_path / "elements.nc")
     write_dataset(make_mask(), tmp_path / "mask.nc")
     files = []
     for name in ("a.nc", "b.nc"):
         rule = SimpleNamespace(
-            input=SimpleNamespace(state=tmp_path / "0002.nc", mask=tmp_path / "mask.nc"),
-            output=SimpleNamespace(grid=tmp_path / name),
-            config={"scene": str(tmp_path / "scene.yaml")},
+            input=SimpleNamespace(
+                scene=tmp_path / "scene.yaml",
+                start=[tmp_path / "0000.nc"],
+                elements=tmp_path / "elements.nc",
+                mask=tmp_path / "mask.nc",
+            ),
+            output=SimpleNamespace(fields=tmp_path / name),
         )
         with caplog.at_level(logging.INFO):
-            load_script("postprocess/grid").main(rule)
+            load_script("postprocess/fields").main(rule)
         assert "siarea: grid minus elements" in caplog.text
         files.append((tmp_path / name).read_bytes())
     assert files[0] == files[1]
+
+
+def test_files_joined_are_the_fields_of_all_times(scene, tmp_path):
+    """Chunks of two and of one time in a file; the joined one is as if made at once."""
+    states = [later(make_state(right=X0 + k * CELL), k) for k in (1, 2, 3)]
+    made = [make_grid(scene, state, make_mask()) for state in states]
+    parts = [tmp_path / "0002.nc", tmp_path / "0003.nc"]
+    write_grid(join_times(made[:2]), parts[0])
+    write_grid(join_times(made[2:]), parts[1])
+    join_files(parts, tmp_path / "grid.nc")
+    write_grid(join_times(made), tmp_path / "once.nc")
+    with netCDF4.Dataset(tmp_path / "grid.nc") as one, netCDF4.Dataset(tmp_path / "once.nc") as two:
+        assert one.dimensions["time"].isunlimited() and len(one.dimensions["time"]) == 3
+        assert {n: one.getncattr(n) for n in one.ncattrs()} == {
+            n: two.getncattr(n) for n in two.ncattrs()
+        }
+        assert set(one.variables) == set(two.variables)
+        for name, variable in one.variables.items():
+            other = two[name]
+            assert variable.dimensions == other.dimensions and variable.dtype == other.dtype
+            assert variable.__dict__.keys() == other.__dict__.keys(), name
+            # Missing values are where they were.
+            np.testing.assert_array_equal(
+                np.ma.getmaskarray(variable[...]), np.ma.getmaskarray(other[...]), err_msg=name
+            )
+            np.testing.assert_array_equal(variable[...], other[...], err_msg=name)
+    with xr.open_dataset(tmp_path / "grid.nc") as data:
+        assert data["window"].values.tolist() == [1, 2, 3]
+        shares = [float(data["siconc"][k].sum()) for k in range(3)]
+        assert shares[0] < shares[1] < shares[2]
+
+
+def test_a_damaged_part_is_named_and_nothing_is_joined(scene, tmp_path):
+    write_grid(make_grid(scene, make_state(), make_mask()), tmp_path / "0001.nc")
+    (tmp_path / "0002.nc").write_bytes(b"no NetCDF")
+    with pytest.raises(FloeError, match="0002.nc: cannot be read as NetCDF"):
+        join_files([tmp_path / "0001.nc", tmp_path / "0002.nc"], tmp_path / "grid.nc")
+    assert not (tmp_path / "grid.nc").exists()
 
 
 def test_faults_are_one_sentence(scene, tmp_path):

@@ -27,8 +27,8 @@ def packing(run):
 @pytest.fixture(scope="module")
 def written(packing, states, tmp_path_factory):
     folder = tmp_path_factory.mktemp("mesh") / "new"
-    paths = [folder / f"{window:04d}.vtu" for window in range(len(states))]
-    write_meshes(packing, states, paths, folder / "elements.pvd")
+    paths = write_meshes(packing, states, folder)
+    assert paths == [folder / f"{window:04d}.vtu" for window in range(len(states))]
     return folder
 
 
@@ -150,7 +150,7 @@ def test_categories_are_averaged_over_the_ice(states):
 
 def test_without_thermodynamics_no_snow_is_shown(tmp_path):
     run = make_run(tmp_path, effects=("wind",), windows=1)
-    fields = cell_fields(read_state(run.path("state", 1)))
+    fields = cell_fields(read_state(run.state(1)))
     assert not {"snow_thickness", "surface_temperature"} & set(fields)
 
 
@@ -187,9 +187,9 @@ def test_lost_elements_are_left_out_and_new_ones_refused(packing, states):
 def test_no_polygon_is_refused(tmp_path):
     run = make_run(tmp_path, elements=False, windows=1)
     packing = read_dataset(run.folder / "preprocess" / "packing.nc")
-    states = [read_state(run.path("state", 0))]
+    states = [read_state(run.state(0))]
     with pytest.raises(FloeError, match="there is no polygon to write"):
-        write_meshes(packing, states, [tmp_path / "0000.vtu"], tmp_path / "elements.pvd")
+        write_meshes(packing, states, tmp_path)
     assert not list(tmp_path.glob("*.vtu"))
 
 
@@ -204,23 +204,20 @@ def test_meshes_that_cannot_be_written_leave_nothing(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.pvd", "a.vtu"]
 
 
-def test_rule_writes_a_mesh_for_each_window_of_a_group(run, written, tmp_path):
-    meshes = [tmp_path / f"{window:04d}.vtu" for window in (0, *run.windows)]
-    ends = [run.path("state", window) for window in (0, run.windows[-1])]
+def test_rule_writes_a_mesh_for_each_boundary_of_all_chunks(run, written, tmp_path):
     load_script("postprocess/mesh_files").main(
         SimpleNamespace(
             input=SimpleNamespace(
                 packing=str(run.folder / "preprocess" / "packing.nc"),
-                states=[str(path) for path in ends],
+                first=str(run.state(0)),
+                elements=[str(path) for path in run.of_chunks("elements")],
             ),
-            output=SimpleNamespace(
-                meshes=[str(path) for path in meshes], series=str(tmp_path / "elements.pvd")
-            ),
-            params=SimpleNamespace(windows=[f"{window:04d}" for window in run.windows]),
+            output=SimpleNamespace(meshes=str(tmp_path)),
         )
     )
-    for path in [*meshes, tmp_path / "elements.pvd"]:
-        assert path.read_bytes() == (written / path.name).read_bytes()
+    names = ["elements.pvd", *(f"{window:04d}.vtu" for window in (0, *run.windows))]
+    for name in names:
+        assert (tmp_path / name).read_bytes() == (written / name).read_bytes()
 
 
 def test_one_module_imports_meshio(project):

@@ -114,7 +114,7 @@ def test_statistics_are_those_of_the_mobile_elements(frames, states):
 
 def test_without_bonds_there_is_no_dispersion_of_pairs(tmp_path):
     run = make_run(tmp_path, effects=("wind", "ocean_drag"), windows=1)
-    frames = make_frames(read_state(run.path("state", window)) for window in (0, 1))
+    frames = make_frames(read_state(run.state(window)) for window in (0, 1))
     assert frames.sizes["bond"] == 0
     assert len(make_universe(frames, corner(run)).bonds) == 0
     assert "relative_dispersion" not in drift_statistics(frames)
@@ -154,7 +154,7 @@ def test_remapped_ice_carries_its_displacement(states):
 def test_a_run_without_elements_is_refused(tmp_path):
     run = make_run(tmp_path, elements=False, windows=1)
     with pytest.raises(FloeError, match="the run has no elements"):
-        make_frames(read_state(run.path("state", window)) for window in (0, 1))
+        make_frames(read_state(run.state(window)) for window in (0, 1))
 
 
 def test_frames_within_a_second_are_refused(run, frames, tmp_path):
@@ -171,29 +171,31 @@ def test_a_dump_that_cannot_be_written_leaves_nothing(run, frames, tmp_path):
 
 
 def rule(run, folder):
-    """What Snakemake hands to the rule; one group of all windows, so only its end is declared."""
-    ends = [run.path("state", window) for window in (0, run.windows[-1])]
+    """What Snakemake hands to the rule."""
     output = {"trajectory": folder / "elements.lammpsdump", "drift": folder / "drift.nc"}
     return SimpleNamespace(
-        input=SimpleNamespace(states=[str(path) for path in ends]),
+        input=SimpleNamespace(
+            scene=str(run.scene_file),
+            first=str(run.state(0)),
+            elements=[str(path) for path in run.of_chunks("elements")],
+        ),
         output=SimpleNamespace(**{name: str(path) for name, path in output.items()}),
-        params=SimpleNamespace(windows=[f"{window:04d}" for window in run.windows]),
-        config={"scene": str(run.scene_file)},
     )
 
 
-def test_rule_reads_the_inner_windows_of_a_group_too(run, frames, tmp_path):
+def test_rule_reads_all_boundaries_of_all_chunks(run, frames, tmp_path):
     snakemake = rule(run, tmp_path)
     load_script("postprocess/trajectory_files").main(snakemake)
     universe = MDAnalysis.Universe(snakemake.output.trajectory, dt=1.0)
     assert [moment.time for moment in universe.trajectory] == frames["time"].values.tolist()
+    # Pairs of neighbours are those of the start, so no bond is needed after it.
     xr.testing.assert_allclose(read_dataset(snakemake.output.drift), drift_statistics(frames))
 
 
-def test_rule_names_an_inner_window_that_is_missing(tmp_path):
+def test_rule_names_a_chunk_that_is_missing(tmp_path):
     run = make_run(tmp_path / "run", effects=("wind",))
-    run.path("state", 2).unlink()
-    with pytest.raises(FloeError, match=r"0002.nc: there is no such file, so window 2 is not"):
+    run.chunk_of("elements", 2).unlink()
+    with pytest.raises(FloeError, match=r"elements/0002.nc: there is no such file"):
         load_script("postprocess/trajectory_files").main(rule(run, tmp_path))
 
 

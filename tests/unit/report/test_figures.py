@@ -214,7 +214,7 @@ def test_graticule_in_the_south():
 
 
 def test_glue_lines_lie_between_their_elements(run: Run):
-    state = read_state(run.path("state", 0))
+    state = read_state(run.state(0))
     lines = bonds.glue_lines(state, state) * 1e3
     place = np.stack([state["x"].values, state["y"].values], axis=1)
     middle = (place[state["bond_id_lo"].values - 1] + place[state["bond_id_hi"].values - 1]) / 2
@@ -224,7 +224,7 @@ def test_glue_lines_lie_between_their_elements(run: Run):
 
 
 def test_bonds_are_sorted_by_what_became_of_them(run: Run):
-    first, last = read_state(run.path("state", 0)), read_state(run.path("state", 3))
+    first, last = read_state(run.state(0)), read_state(run.state(3))
     whole, cracked, broken = bonds.sort_bonds(first, last)
     assert whole.sizes["bond"] + cracked.sizes["bond"] == last.sizes["bond"]
     assert broken.sizes["bond"] == first.sizes["bond"] - last.sizes["bond"] > 0

@@ -103,36 +103,39 @@ class Page(HTMLParser):
 
 def report_of(run: Run, studies: Sequence[Path] = ()) -> str:
     folder, last = run.folder, run.windows[-1]
-    config = {"scene": str(run.scene_file)}
-    files = {
+    scene = str(run.scene_file)
+    made = {
         "diagnostics": str(folder / "diagnostics.nc"),
         "headline": str(folder / "diagnostics.json"),
     }
+    files = run.files
     load_script("postprocess/diagnostics").main(
         SimpleNamespace(
             input=SimpleNamespace(
-                states=[str(run.path("state", 0)), str(run.path("state", last))],
-                grids=[str(run.path("grid", window)) for window in (0, last)],
+                scene=scene,
+                first=str(files.first),
+                elements=list(map(str, files.elements)),
+                series=list(map(str, files.series)),
+                cost=list(map(str, files.cost)),
+                grid=str(files.grid),
             ),
-            output=SimpleNamespace(dataset=files["diagnostics"], headline=files["headline"]),
-            params=SimpleNamespace(windows=run.windows),
-            config=config,
+            output=SimpleNamespace(dataset=made["diagnostics"], headline=made["headline"]),
         )
     )
     given = SimpleNamespace(
         input=SimpleNamespace(
-            first_state=str(run.path("state", 0)),
-            last_state=str(run.path("state", last)),
-            grids=[str(run.path("grid", window)) for window in (0, last)],
+            scene=scene,
+            first_state=str(run.state(0)),
+            last_state=str(run.state(last)),
+            grid=str(run.grid),
             mask=str(folder / "preprocess" / "mask.nc"),
             packing=str(folder / "preprocess" / "packing.nc"),
             benchmarks=sorted(str(path) for path in (folder / "benchmarks").rglob("*.tsv")),
             estimates=str(folder / "effects.json"),
-            **files,
+            **made,
         ),
         output=SimpleNamespace(report=str(folder / "report.html"), figures=str(folder / "figures")),
         params=SimpleNamespace(studies={str(path): "" for path in studies}),
-        config=config,
     )
     Path(given.input.estimates).write_text(json.dumps(ESTIMATES))
     load_script("postprocess/report").main(given)
@@ -148,9 +151,9 @@ def page(run: Run) -> Page:
 def bare(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, str]:
     """Hostile words, hardly an effect, no ice."""
     run = make_run(tmp_path_factory.mktemp("bare"), ("wind",), 1, elements=False, title=HOSTILE)
-    state = read_state(run.path("state", 1))
+    state = read_state(run.state(1))
     state.attrs["provenance"] = '{"machine": "<img src=x onerror=alert(1)>"}'
-    write_state(state, run.path("state", 1))
+    write_state(state, run.state(1))
     return run, report_of(run)
 
 
@@ -259,6 +262,8 @@ def test_keys_that_differ_are_those_of_the_scene(run: Run):
         "time.windows",
         "time.window",
         "forcing.cyclone.wind_speed",
+        "workflow.windows_per_job",
+        "state.keep",
         "report.title",
         "report.text",
         "report.dpi",
@@ -271,8 +276,8 @@ def test_keys_that_differ_are_those_of_the_scene(run: Run):
 def test_cost_adds_up_in_the_order_of_the_data(run: Run, tmp_path: Path):
     head = "s\th:m:s\tmax_rss\n"
     for name, row in (
-        ("grid/0000", "2.0\t0:00:02\t50.5"),
-        ("grid/0003", "3.0\t0:00:03\t60.5"),
+        ("fields/0002", "2.0\t0:00:02\t50.5"),
+        ("fields/0003", "3.0\t0:00:03\t60.5"),
         ("mask", "1.5\t0:00:01\t-"),
     ):
         path = tmp_path / f"{name}.tsv"
@@ -281,9 +286,9 @@ def test_cost_adds_up_in_the_order_of_the_data(run: Run, tmp_path: Path):
     numbers = read_numbers(run.folder / "diagnostics.json")
     found = stages(sorted(tmp_path.rglob("*.tsv")), numbers)
     names = [stage.name for stage in found]
-    assert names == ["mask", "window", "setup", "dynamics", "column", "exchange", "grid"]
-    grid = found[-1]
-    assert (grid.jobs, grid.seconds, grid.memory) == (2, 5.0, 60.5)
+    assert names == ["mask", "windows", "setup", "dynamics", "column", "exchange", "fields"]
+    fields = found[-1]
+    assert (fields.jobs, fields.seconds, fields.memory) == (2, 5.0, 60.5)
     inner = sum(stage.seconds for stage in found if stage.inner)
     assert inner == pytest.approx(found[1].seconds)
     assert total_seconds(found) == pytest.approx(1.5 + 5.0 + inner)

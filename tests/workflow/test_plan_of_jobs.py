@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What Snakemake plans, without running it: variants share work, thousands of jobs stay flat."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from graphlib import TopologicalSorter
+
+import pytest
+import yaml
+
+from support.runner import PROJECT, STREAMS, Done, Place
+
+pytestmark = pytest.mark.workflow
+
+SCENES, WINDOWS = 11, 140
+BASE = "results/smoke+accuracy-base/record.json"
+
+
+@pytest.mark.parametrize(
+    "name, own",
+    [
+        # What only the windows read is one job beside the base run.
+        ("step_share-0", {}),
+        ("window-0", {}),
+        # Another packing has what is made from it, and no mask.
+        ("element_size-0", {"packing": 1, "bonds": 1, "initial": 1}),
+    ],
+)
+def test_a_variant_makes_only_what_its_changes_touch(smoke: Done, name: str, own: dict):
+    target = f"results/smoke+accuracy-{name}/record.json"
+    assert smoke.place.planned(smoke.scene, target, BASE) == {"variant": 2, **own}
+
+
+def test_a_variant_that_no_study_has_is_refused(smoke: Done):
+    done = smoke.place.run(smoke.scene, "-n", "results/smoke+accuracy-nothing/record.json")
+    assert done.returncode == 1
+    said = "floeflow: scene 'smoke' has no variant 'nothing' in a study 'accuracy'"
+    assert said in done.stdout and "Traceback" not in done.stdout
+
+
+def graph(dot: str) -> dict[str, set[str]]:
+    """Jobs that each job waits for, of what ``--dag`` printed."""
+    waits: dict[str, set[str]] = {name: set() for name in re.findall(r"^\s*(\d+)\[", dot, re.M)}
+    for before, after in re.findall(r"^\s*(\d+) -> (\d+)", dot, re.M):
+        waits[after].add(before)
+    return waits
+
+
+def depth(waits: dict[str, set[str]]) -> int:
+    """Number of jobs of the longest chain."""
+    deep: dict[str, int] = {}
+    for job in TopologicalSorter(waits).static_order():
+        deep[job] = 1 + max((deep[before] for before in waits[job]), default=0)
+    return max(deep.values())
+
+
+def test_three_thousand_jobs_are_planned_in_short_chains(place: Place):
+    (place.folder / "config").unlink()
+    shipped = place.folder / "config/scenes"
+    shipped.mkdir(parents=True)
+    keys = yaml.safe_load((PROJECT / "config/scenes/smoke.yaml").read_text())
+    keys |= {"time": {**keys["time"], "windows": WINDOWS}, "workflow": {"windows_per_job": 1}}
+    names = [f"member{number}" for number in range(SCENES)]
+    for name in names:
+        (shipped / f"{name}.yaml").write_text(yaml.safe_dump({**keys, "name": name}))
+    reports = [f"results/{name}/report.html" for name in names]
+    done = place.run(shipped / f"{names[0]}.yaml", "--dag", *reports)
+    assert done.returncode == 0, done.stdout[-2000:]
+    waits = graph(done.stdout)
+    assert len(waits) >= 3000
+    assert depth(waits) <= 150
+    # Looking writes nothing.
+    assert not (place.folder / "results").exists()
+
+
+def test_the_workflow_runs_as_a_module_of_another(place: Place):
+    scene = place.scene(mask={"land": "mask"})
+    (place.folder / "Snakefile").write_text(
+        f"""
+module ice:
+    snakefile: "{PROJECT}/Snakefile"
+    config: config
+
+use rule * from ice as ice_*
+
+rule mine:
+    default_target: True
+    input: "results/smoke/preprocess/mask.nc"
+    output: "mine.txt"
+    shell: "wc -c {{input}} > {{output}}"
+"""
+    )
+    command = place.command(scene, 1, "mine.txt")
+    command[command.index("--snakefile") + 1] = str(place.folder / "Snakefile")
+    # Its rules have other names here.
+    at = command.index("--set-threads")
+    del command[at : at + 2]
+    done = subprocess.run(command, check=False, cwd=place.folder.parent, **STREAMS)
+    assert done.returncode == 0, done.stdout
+    assert int((place.folder / "mine.txt").read_text().split()[0]) > 1000
+
+
+def test_a_plugin_may_be_named(place: Place, monkeypatch: pytest.MonkeyPatch):
+    scene, target = place.scene(), "results/smoke/state/0003.nc"
+    other = place.folder / "mine.so"
+    other.symlink_to(PROJECT / "build/liggghts_models/libfloe.so")
+    monkeypatch.setenv("FLOEFLOW_PLUGIN", str(other))
+    done = place.run(scene, "-n", target)
+    assert done.returncode == 0 and str(other) in done.stdout, done.stdout
+    monkeypatch.setenv("FLOEFLOW_PLUGIN", "/nowhere/libfloe.so")
+    done = place.run(scene, "-n", target)
+    assert done.returncode == 1
+    assert "floeflow: FLOEFLOW_PLUGIN=/nowhere/libfloe.so: there is no such file" in done.stdout
