@@ -24,12 +24,11 @@ from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import claim_scene, clear_stale_locks
 from floeflow.core.plugin import plugin_path
-from floeflow.forcings.inputs import check_forcing_file
-from floeflow.masks.mask_file import check_mask_file
 from floeflow.scene import Scene
 from floeflow.scene.hashes import chain_hash
 from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
+from floeflow.workflow.input_guard import check_inputs
 
 DEFAULT_SCENE = "config/scenes/arctic_1981.yaml"
 SHIPPED = Path("config/scenes")
@@ -160,9 +159,7 @@ class Scenes:
         else:
             path = self._path_of(name)
             scene = resolve_scene(path)
-            check_mask_file(scene)
-            if scene.forcing.source == "file":
-                check_forcing_file(scene)
+            check_inputs(scene, self._writes)
             if self._writes:
                 # Held until the process ends.
                 claim_scene(RESULTS / name)
