@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from floeflow.analysis import documents
+from floeflow.analysis import documents, input_check
 from floeflow.analysis.estimate.command import tell
 from floeflow.analysis.plan import command as plan_command
 from floeflow.analysis.resolve import resolve_scene
@@ -59,14 +59,24 @@ def _run(scene: Path, cores: int) -> str:
 
 
 @app.command()
-def check(scene: SceneFile) -> None:
-    """Validate a scene file and say which effects it runs with."""
-    _end(partial(_check, scene))
+def check(
+    scene: SceneFile,
+    plot: Annotated[
+        Path | None, typer.Option(help="Also draw small maps of all inputs to this PNG file.")
+    ] = None,
+) -> None:
+    """Validate a scene and its input files: its effects, and what was found for each quantity."""
+    _end(partial(_check, scene, plot))
 
 
-def _check(path: Path) -> str:
+def _check(path: Path, plot: Path | None) -> str:
     scene = resolve_scene(path)
-    return f"{path}: scene '{scene.name}' with {', '.join(scene.effects)}"
+    said = [f"{path}: scene '{scene.name}' with {', '.join(scene.effects)}"]
+    said.append(input_check.say(input_check.find_inputs(scene)))
+    if plot is not None:
+        input_check.draw(scene, plot)
+        said.append(f"Maps: {plot}")
+    return "\n".join(said)
 
 
 @app.command()

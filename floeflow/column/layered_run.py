@@ -147,6 +147,7 @@ def budget_terms(sums: dict[str, Array], p: Physics) -> dict[str, Array]:
         "water_snowfall": p.snow_density * sums["snowfall"],
         "water_vapour": -sums["vapour_ice"],
         "water_ocean": -drained,
+        "light_to_sea": sums["light_to_sea"],
     }
     if p.mushy:
         terms["salt_ocean"] = 1e-3 * p.ice_density * sums["salt_to_ice"]

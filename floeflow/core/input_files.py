@@ -79,10 +79,11 @@ def _merge_versions(data: xr.Dataset) -> xr.Dataset:
     for name, item in data.data_vars.items():
         if "expver" not in item.dims:
             continue
-        field = item.isel(expver=order[0])
+        bare = item.drop_vars(list(item.coords))
+        field = bare.isel(expver=order[0])
         for k in order[1:]:
-            field = xr.where(_known(field), field, item.isel(expver=k), keep_attrs=False)
-        merged[name] = field.drop_vars("expver", errors="ignore").assign_attrs(item.attrs)
+            field = xr.where(_known(field), field, bare.isel(expver=k), keep_attrs=False)
+        merged[name] = field.assign_attrs(item.attrs)
     return merged
 
 

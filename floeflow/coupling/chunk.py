@@ -139,6 +139,11 @@ def publish(chunk: Chunk) -> None:
         part for f in folders for part in split_snapshots(read_dataset(f / resume.ELEMENTS))
     ]
     write_dataset(join_snapshots(snapshots), chunk.path("elements"))
+    if chunk.scene.exchange.fluxes:
+        parts = [read_dataset(f / resume.FLUXES) for f in folders]
+        fixed = ["cell_area"]
+        joined = xr.concat([part.drop_vars(fixed) for part in parts], "time", join="exact")
+        write_dataset(joined.merge(parts[0][fixed]), chunk.path("fluxes"))
     costs: list[dict[str, Any]] = []
     for window, folder in zip(chunk.windows, folders, strict=True):
         records = json.loads((folder / resume.COST).read_text())

@@ -69,7 +69,7 @@ def advance_columns(
     forcing: xr.Dataset,
     window: tuple[float, float],
     first_area: np.ndarray,
-) -> tuple[xr.Dataset, Budget]:
+) -> tuple[xr.Dataset, Arrays]:
     """Advance the columns of all mobile elements over a window.
 
     Parameters
@@ -90,9 +90,9 @@ def advance_columns(
     Returns
     -------
     tuple of xarray.Dataset and dict
-        State with new columns; terms of the budgets, integrated over the elements' areas:
+        State with new columns; terms of the budgets of each mobile element, over its area:
         ``growth_<term>`` (m3 of ice), ``snow_<term>`` (m3 of snow), ``energy_<term>`` (J),
-        ``water_<term>`` and ``salt_<term>`` (kg).
+        ``water_<term>`` and ``salt_<term>`` (kg), (n,). `totals` adds them up.
     """
     settings = column_settings(scene)
     names = column_variables(scene.effects, settings.scheme)
@@ -113,12 +113,17 @@ def advance_columns(
         whole = state[name].values.copy()
         whole[mobile] = np.concatenate(comm.allgather(after[name]))
         result[name] = (state[name].dims, whole)
-    # Integrated on the whole arrays, so that the sums are the same on any number of ranks.
     area = state["area"].values[mobile]
-    budget = {
-        name: float(area @ np.concatenate(comm.allgather(values))) for name, values in terms.items()
-    }
-    return result, budget
+    each = {name: area * np.concatenate(comm.allgather(values)) for name, values in terms.items()}
+    return result, each
+
+
+def totals(each: Arrays) -> Budget:
+    """Terms of the budgets over all elements.
+
+    Added up on the whole arrays, so that the sums are the same on any number of ranks.
+    """
+    return {name: float(values.sum()) for name, values in each.items()}
 
 
 def freeze_window(

@@ -26,7 +26,8 @@ from floeflow.core.errors import FloeError
 from floeflow.core.lock import hold_job
 from floeflow.core.records import Record, write_records
 from floeflow.coupling import resume
-from floeflow.coupling.columns import advance_columns, freeze_window
+from floeflow.coupling.columns import advance_columns, freeze_window, totals
+from floeflow.coupling.fluxes import window_fluxes
 from floeflow.coupling.job import Job
 from floeflow.coupling.series import series_dataset, volumes
 from floeflow.dynamics.bonds.stress_free_growth import keep_forces
@@ -49,6 +50,7 @@ class Advanced:
     state: xr.Dataset
     series: xr.Dataset
     cost: list[Record]
+    fluxes: xr.Dataset | None = None
 
 
 def advance_window(
@@ -119,6 +121,12 @@ def advance_window(
         "window": int(state.attrs["window"]) + 1,
     }
     costs = _costs(scene, comm.size, motion, (seconds, cpu))
+    fluxes = None
+    if scene.exchange.fluxes:
+        began = time.perf_counter()
+        fluxes = window_fluxes(scene, state, _sums(motion, before, after), (start, end))
+        n, seconds = state.sizes["element"], time.perf_counter() - began
+        costs.append(Record("fluxes", n, comm.size, [seconds]))
     if {"remap", "merge"} & set(scene.effects):
         began = time.perf_counter()
         state, terms = on_root(comm, cure, scene, state, cells)
@@ -127,15 +135,25 @@ def advance_window(
         costs.append(Record("remesh", n, comm.size, [seconds]))
     budget |= volumes(state, "end")
     series = series_dataset(motion, budget, start)
-    return Advanced(state, series, costs)
+    return Advanced(state, series, costs, fluxes)
+
+
+def _sums(motion: Motion, before: Grown, after: Grown) -> dict[str, np.ndarray]:
+    """What each mobile element gave or got in a window."""
+    terms = {
+        name: after.each[name] + (before.each[name] if name in before.each else 0.0)
+        for name in after.each
+    }
+    return {**motion.impulses, **terms}
 
 
 @dataclass(frozen=True)
 class Grown:
-    """A state after its columns were advanced, the terms of the budgets, wall and CPU seconds."""
+    """A state after its columns were advanced, terms in all and of each element, and seconds."""
 
     state: xr.Dataset
     terms: Mapping[str, float] = field(default_factory=dict)
+    each: Mapping[str, np.ndarray] = field(default_factory=dict)
     seconds: float = 0.0
     cpu_seconds: float = 0.0
 
@@ -167,10 +185,10 @@ def grow(
     if "thermodynamics" not in scene.effects:
         return Grown(state)
     began, used = time.perf_counter(), time.process_time()
-    grown, terms = advance_columns(comm, scene, state, forcing, span, area)
+    grown, each = advance_columns(comm, scene, state, forcing, span, area)
     state = keep_forces(state, thin_bonds(grown), scene.dynamics.minimum_thickness, moved)
     cpu = comm.allreduce(time.process_time() - used)
-    return Grown(state, terms, time.perf_counter() - began, cpu)
+    return Grown(state, totals(each), each, time.perf_counter() - began, cpu)
 
 
 def warm_up(comm: MPI.Comm, scene: Scene, state: xr.Dataset, forcing: xr.Dataset) -> None:
@@ -255,6 +273,9 @@ def _write(
     known = sum(record.seconds[0] for record in advanced.cost)
     n, ranks = advanced.cost[0].n, advanced.cost[0].ranks
     write_state(advanced.state, work / resume.STATE, precision)
+    if advanced.fluxes is not None:
+        advanced.fluxes.attrs |= mark
+        write_dataset(advanced.fluxes, work / resume.FLUXES)
     kept = join_snapshots([read_state(work / resume.STATE)])
     kept.attrs[resume.MADE_FROM] = made_from
     write_dataset(kept, work / resume.ELEMENTS)

@@ -22,6 +22,7 @@ from floeflow.state import read_dataset, read_state
 
 WORK = ".windows"
 STATE, ELEMENTS, SERIES, COST = "state.nc", "elements.nc", "series.nc", "cost.json"
+FLUXES = "fluxes.nc"
 # A killed chunk goes on at its last state, or at the one before should that be damaged.
 STATES_KEPT = 2
 # Attribute with the hash in series and snapshots; the state has it in its provenance.

@@ -33,6 +33,7 @@ PREFIX_UNITS = {
     "snow_": "m3",
     "energy_": "J",
     "water_": "kg",
+    "light_": "J",
     "salt_": "kg",
     "pond_": "m3",
     "remap_momentum_": "kg m s-1",

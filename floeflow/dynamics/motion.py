@@ -49,6 +49,8 @@ class Motion:
     budget: dict[str, float] = field(default_factory=dict)
     # Given by each wall until the last sample, N s, (walls, 2).
     wall_impulse: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    # Given by wind and ocean to each mobile element, N s.
+    impulses: Arrays = field(default_factory=dict)
 
 
 def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
@@ -172,6 +174,14 @@ def move(
         moved = engine.elements()
         walls = engine.wall_contacts() if walled else None
         motion.state = moved_state(state, moved, left, engine.contacts(), walls)
+    mobile = moved["type"] == MOBILE
+    switched = {"wind": params.wind, "ocean": params.ocean_drag}
+    motion.impulses = {
+        f"{name}_impulse_{axis}": moved[f"{name}_impulse_{axis}"][mobile]
+        for name, is_on in switched.items()
+        if is_on
+        for axis in "xy"
+    }
     if params.ridging:
         ridged = moved["ridged_area"]
         least, end = scene.dynamics.minimum_thickness, start + scene.time.window

@@ -58,7 +58,7 @@ UNITS = {
 
 
 @dataclass
-class _Places:
+class Places:
     """A scene's grid, and the weights from the files' grids to it."""
 
     scene: Scene
@@ -128,7 +128,13 @@ class _Places:
         return values
 
 
-def _scalar(places: _Places, name: str, track: Track) -> tuple[Array, Array]:
+def places_of(scene: Scene, span: tuple[float, float]) -> Places:
+    """The places of a scene for a span of time (s since its start)."""
+    grid, crs = scene_grid(scene.domain), scene_crs(scene.domain)
+    return Places(scene, grid, crs, *to_lonlat(crs, *grid.mesh()), span)
+
+
+def _scalar(places: Places, name: str, track: Track) -> tuple[Array, Array]:
     """Times and SI values (time, place) of a scalar; refuses values that cannot be."""
     quantity = names.QUANTITIES[name]
     factor, offset, summed = names.scalar_conversion(track.variable, quantity, track.path)
@@ -147,7 +153,7 @@ def _scalar(places: _Places, name: str, track: Track) -> tuple[Array, Array]:
 
 
 def _vector(
-    places: _Places, name: str, pair: tuple[Track, Track], east_north: bool
+    places: Places, name: str, pair: tuple[Track, Track], east_north: bool
 ) -> tuple[Array, Array, Array]:
     """Times and components along the scene's axes (time, place), m/s.
 
@@ -212,10 +218,9 @@ def make_forcing(
         For what is missing, does not cover scene or window, or cannot be.
     """
     paths = [Path(source)] if isinstance(source, str | Path) else [Path(item) for item in source]
-    grid, crs = scene_grid(scene.domain), scene_crs(scene.domain)
-    lon, lat = to_lonlat(crs, *grid.mesh())
     span = window_span(window, scene.time.window)
-    places = _Places(scene, grid, crs, lon, lat, span)
+    places = places_of(scene, span)
+    grid, lat = places.grid, places.lat
     files = open_files(paths, forcing_hints(scene))
     try:
         found = find_sources(scene, files)
@@ -244,7 +249,7 @@ def _close(files: Sequence[InputFile]) -> None:
 
 
 def _from_files(
-    places: _Places, found: Sources
+    places: Places, found: Sources
 ) -> tuple[dict[str, tuple[Array, Array]], dict[str, str]]:
     """Series of all that the files have, and where each comes from."""
     series: dict[str, tuple[Array, Array]] = {}

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from floeflow.core import cf_reading as cf
-from floeflow.forcings.forcing import describe
+from floeflow.forcings.forcing import describe, places_of
 from floeflow.forcings.sources import Sources, find_sources, forcing_files, forcing_hints
 from floeflow.forcings.tracks import Track, open_files
 from floeflow.scene.blocks import Scene
@@ -61,8 +61,10 @@ def check_forcing_file(scene: Scene) -> None:
         return
     with opened(scene) as found:
         end = scene.time.windows * scene.time.window
+        places = places_of(scene, (0.0, end))
         for track in tracks_of(found):
             if not track.layout.lonlat and not track.layout.places:
                 cf.projection(track.first.variables, track.variable, track.path)
             track.level()
             track.records((0.0, end))
+            places.transfer(track)

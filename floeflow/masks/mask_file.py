@@ -8,7 +8,7 @@ passes the one is what the other reads.
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -356,7 +356,11 @@ def _land(
     status = flag_variable(variables, first.variable)
     if status is None:
         return None
-    layout = cf.layout(variables, status, path)
+    # A status flag lies as what it tells of, and need not repeat the mapping.
+    same = set(status.dims) <= set(first.variable.dims)
+    layout = first.layout if same else cf.layout(variables, status, path)
+    if layout.time and layout.time not in status.dims:
+        layout = replace(layout, time="")
     index = np.array([first.index if layout.time else 0])
     told = fields.read_flags(data, status.name, layout, source, index, path)
     return told[LAND][0] if LAND in told else None

@@ -522,6 +522,15 @@ class Report(Block):
     )
 
 
+class Exchange(Block):
+    """What goes back to models of ocean and atmosphere."""
+
+    fluxes: bool = key(
+        False,
+        "Write what each window gives to ocean and air on the scene grid: fluxes/<chunk>.nc.",
+    )
+
+
 class Workflow(Block):
     """How the run is cut into jobs; changes no result."""
 
@@ -566,6 +575,7 @@ class Scene(Block):
     state: State = key(State(), "How the state is kept.")
     grid: Grid = key(Grid(), "How fields go to the grid.")
     report: Report = key(Report(), "Which report.")
+    exchange: Exchange = key(Exchange(), "What goes back to other models.")
     workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")
     _auto: bool = PrivateAttr(default=False)
 

@@ -35,7 +35,14 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
         "walls",
         "state.precision",
     ),
-    "dynamics": ("effects", "dynamics", "time.window", "packing.coast_bonds", "state.precision"),
+    "dynamics": (
+        "effects",
+        "dynamics",
+        "time.window",
+        "packing.coast_bonds",
+        "state.precision",
+        "exchange",
+    ),
     "cells": ("seed",),
     "cure": ("remap", "merge", "packing.bond_gap"),
     # What is kept changes no result, so it is in no window's own hash.

@@ -29,13 +29,12 @@ from floeflow.core.errors import FloeError
 from floeflow.core.lock import claim_scene, clear_stale_locks
 from floeflow.core.meshes import check_mesh_file
 from floeflow.core.plugin import plugin_path
-from floeflow.forcings.inputs import check_forcing_file
-from floeflow.masks.mask_file import check_mask_file
 from floeflow.scene import Scene
 from floeflow.scene.checks import scene_warnings
 from floeflow.scene.hashes import chain_hash
 from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
+from floeflow.workflow.input_guard import check_inputs
 
 DEFAULT_SCENE = "config/scenes/arctic_1981.yaml"
 SHIPPED = Path("config/scenes")
@@ -164,11 +163,9 @@ class Scenes:
             scene = resolve_scene(path)
             for warning in scene_warnings(scene):
                 print(f"floeflow: warning: {warning}", file=sys.stderr, flush=True)
-            check_mask_file(scene)
             if "walls" in scene.effects and scene.walls.mesh:
                 check_mesh_file(Path(scene.walls.mesh))
-            if scene.forcing.source == "file":
-                check_forcing_file(scene)
+            check_inputs(scene, self._writes)
             if self._writes:
                 # Held until the process ends.
                 claim_scene(RESULTS / name)

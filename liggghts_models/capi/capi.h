@@ -16,8 +16,8 @@ void floe_close(void *instance);
 int floe_command(void *instance, const char *line);
 void floe_set_start_time(void *instance, double seconds);  // local
 
-// Elements. columns: x y theta u v omega radius mass thickness ice_area ridged_area, one row per
-// element.
+// Elements. columns: x y theta u v omega radius mass thickness ice_area ridged_area, and the impulses
+// of wind (x, y) and ocean (x, y), one row per element.
 int floe_create_elements(void *instance, long long n, const long long *id, const signed char *type,
                          const double *columns);
 long long floe_count_elements(void *instance);                                              // local

@@ -31,6 +31,10 @@ enum Column {
   thickness,
   ice_area,
   ridged_area,
+  wind_impulse_x,
+  wind_impulse_y,
+  ocean_impulse_x,
+  ocean_impulse_y,
   column_count
 };
 
@@ -67,6 +71,8 @@ int floe_create_elements(void *instance, long long n, const long long *id, const
       fix->thickness[i] = row[thickness];
       fix->ice_area[i] = row[ice_area];
       fix->ridged_area[i] = row[ridged_area];
+      for (int c = wind_impulse_x; c < column_count; ++c)
+        fix->impulse[i][c - wind_impulse_x] = row[c];
     }
     // Or LIGGGHTS gives every element the fix's defaults when it first initialises.
     fix->just_created = false;
@@ -99,6 +105,8 @@ void floe_get_elements(void *instance, long long *id, signed char *type, double 
     row[thickness] = fix->thickness[i];
     row[ice_area] = fix->ice_area[i];
     row[ridged_area] = fix->ridged_area[i];
+    for (int c = wind_impulse_x; c < column_count; ++c)
+      row[c] = fix->impulse[i][c - wind_impulse_x];
   }
 }
 

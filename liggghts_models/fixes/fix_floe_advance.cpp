@@ -164,7 +164,14 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     sum.work_contact += step * (contact.x * mean.x + contact.y * mean.y);
     sum.work_spin += 0.25 * m * r * r * (new_spin * new_spin - spin * spin);
     if (exact) count_damping(i, u, out.u_new, spin, new_spin, sum);
-    if constexpr (External) add_external(sum, out, mean);
+    if constexpr (External) {
+      add_external(sum, out, mean);
+      double *const given = impulse[i];
+      given[0] += out.wind.x;
+      given[1] += out.wind.y;
+      given[2] += out.ocean.x;
+      given[3] += out.ocean.y;
+    }
     const Vec2 place{x[i][0] + step * out.u_new.x, x[i][1] + step * out.u_new.y};
     v[i][0] = out.u_new.x;
     v[i][1] = out.u_new.y;

@@ -27,7 +27,9 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int own_numbers = 5;  // that an element takes along to another rank or to a file
+constexpr int impulse_numbers = 4;
+constexpr int own_numbers =
+    5 + impulse_numbers;  // that an element takes along to another rank or to a file
 
 }  // namespace
 
@@ -38,6 +40,7 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
       theta(nullptr),
       ridged_area(nullptr),
       bonds_made(nullptr),
+      impulse(nullptr),
       turn(nullptr),
       loads_cleared(false),
       pairs(nullptr),
@@ -83,6 +86,7 @@ FixFloeIntegrate::~FixFloeIntegrate() {
   memory->destroy(theta);
   memory->destroy(ridged_area);
   memory->destroy(bonds_made);
+  memory->destroy(impulse);
   memory->destroy(turn);
 }
 
@@ -262,6 +266,7 @@ void FixFloeIntegrate::grow_arrays(int nmax) {
   memory->grow(theta, nmax, "floe/integrate:theta");
   memory->grow(ridged_area, nmax, "floe/integrate:ridged_area");
   memory->grow(bonds_made, nmax, "floe/integrate:bonds_made");
+  memory->grow(impulse, nmax, impulse_numbers, "floe/integrate:impulse");
   memory->grow(turn, nmax, 2, "floe/integrate:turn");
 }
 
@@ -271,6 +276,7 @@ void FixFloeIntegrate::copy_arrays(int i, int j, int) {
   theta[j] = theta[i];
   ridged_area[j] = ridged_area[i];
   bonds_made[j] = bonds_made[i];
+  for (int k = 0; k < impulse_numbers; ++k) impulse[j][k] = impulse[i][k];
   turn[j][0] = turn[i][0];
   turn[j][1] = turn[i][1];
 }
@@ -279,6 +285,7 @@ void FixFloeIntegrate::set_arrays(int i) {
   thickness[i] = default_thickness;
   ice_area[i] = default_ice_area;
   ridged_area[i] = bonds_made[i] = 0.0;
+  for (int k = 0; k < impulse_numbers; ++k) impulse[i][k] = 0.0;
   set_orientation(i, 0.0);
 }
 
@@ -298,6 +305,7 @@ int FixFloeIntegrate::pack_exchange(int i, double *buf) {
   buf[2] = theta[i];
   buf[3] = ridged_area[i];
   buf[4] = bonds_made[i];
+  for (int k = 0; k < impulse_numbers; ++k) buf[5 + k] = impulse[i][k];
   return own_numbers;
 }
 
@@ -307,8 +315,9 @@ int FixFloeIntegrate::unpack_exchange(int i, double *buf) {
   theta[i] = buf[2];
   ridged_area[i] = buf[3];
   bonds_made[i] = buf[4];
+  for (int k = 0; k < impulse_numbers; ++k) impulse[i][k] = buf[5 + k];
   set_orientation(i, theta[i]);
   return own_numbers;
 }
 
-double FixFloeIntegrate::memory_usage() { return 7.0 * atom->nmax * sizeof(double); }
+double FixFloeIntegrate::memory_usage() { return 11.0 * atom->nmax * sizeof(double); }

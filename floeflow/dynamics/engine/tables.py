@@ -10,10 +10,13 @@ from mpi4py import MPI
 
 from floeflow.state.bonds import BOND_COLUMNS, CONTACT_COLUMNS, RIDGE_COLUMNS, Arrays, line_length
 
+# What wind and ocean have given an element since it was loaded, N s.
+IMPULSES = ("wind_impulse_x", "wind_impulse_y", "ocean_impulse_x", "ocean_impulse_y")
 # Columns of an element in the plugin's order (liggghts_models/capi/capi.h).
 COLUMNS = (
     *("x", "y", "theta", "u", "v", "omega", "radius", "mass", "thickness", "ice_area"),
     "ridged_area",
+    *IMPULSES,
 )
 _CONTACT = (*CONTACT_COLUMNS, *RIDGE_COLUMNS)
 _NOT_FINITE, _BOND_REACH = 1, 3
@@ -23,7 +26,7 @@ def stack_columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
     """Columns of a table side by side, shape (rows, columns)."""
     # Only ridging has the columns that may be missing; without it, and at its start, they are 0.
     none = np.zeros(len(next(iter(table.values()))))
-    optional = ("ridged_area", *RIDGE_COLUMNS)
+    optional = ("ridged_area", *IMPULSES, *RIDGE_COLUMNS)
     columns = [
         np.asarray(table.get(name, none) if name in optional else table[name], dtype=float)
         for name in names

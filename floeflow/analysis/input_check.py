@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a scene's input files hold for it: variable, file, level, times, cover and units of each.
+
+Reads headers and coordinates alone; the fields themselves are read only for a picture of them.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from floeflow.core import area_means, fields, times
+from floeflow.core import cf_reading as cf
+from floeflow.core.grids import mask_grid, scene_crs, scene_grid, to_lonlat
+from floeflow.forcings.forcing import FINER
+from floeflow.forcings.inputs import check_forcing_file, opened
+from floeflow.forcings.tracks import Track
+from floeflow.forcings.window import window_forcing
+from floeflow.masks.mask import make_mask
+from floeflow.masks.mask_file import Wanted, check_mask_file, mask_hints, wanted_variables
+from floeflow.masks.thickness import thickness_kind
+from floeflow.report.figures.frame import Frame
+from floeflow.report.figures.inputs import input_maps
+from floeflow.report.figures.style import write_png
+from floeflow.scene.blocks import Scene
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Where a quantity comes from.
+
+    Parameters
+    ----------
+    quantity : str
+        Of the scene.
+    source : str
+        Variables and file, or what stands in for them.
+    notes : tuple of str
+        Units, level, times, cover, and what else was decided.
+    """
+
+    quantity: str
+    source: str
+    notes: tuple[str, ...] = ()
+
+    def lines(self) -> list[str]:
+        """For people."""
+        return [f"{self.quantity}: {self.source}", *(f"    {note}" for note in self.notes)]
+
+
+def find_inputs(scene: Scene) -> list[Finding]:
+    """Check a scene's files and say what was found in them.
+
+    Raises
+    ------
+    FloeError
+        As `check_mask_file` and `check_forcing_file`.
+    """
+    check_mask_file(scene)
+    check_forcing_file(scene)
+    return [*_of_mask(scene), *_of_forcing(scene)]
+
+
+def say(findings: list[Finding]) -> str:
+    """All findings as text."""
+    return "\n".join(line for finding in findings for line in finding.lines())
+
+
+def draw(scene: Scene, path: Path) -> None:
+    """Draw small maps of the mask, and of the forcing at the scene's start.
+
+    Land is the file's own, or none: the 1 km mask takes seconds.
+
+    Raises
+    ------
+    FloeError
+        For what is wrong with the fields.
+    """
+    land = "none" if scene.mask.land == "none" else "mask"
+    block = scene.mask.model_copy(update={"land": land})
+    mask = make_mask(scene.model_copy(update={"mask": block}), None)
+    with tempfile.TemporaryDirectory() as scratch:
+        forcing = window_forcing(scene, 1, Path(scratch))
+    figure = input_maps(Frame(scene.domain, mask["land"]), mask, forcing)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_png(figure, path, 110)
+
+
+def _of_mask(scene: Scene) -> list[Finding]:
+    path = Path(scene.mask.file)
+    found = []
+    with fields.open_file(path, mask_hints(scene)) as data:
+        variables = cf.variables_of(data)
+        wanted = wanted_variables(scene, data, variables, path)
+        first = wanted["concentration"]
+        source = fields.source_grid(variables, first.variable, first.layout, data, path)
+        how = _transfer(scene, source, scene.mask.refine, 1.0)
+        for name, item in wanted.items():
+            notes = [_units(item.variable), _mask_time(scene, item)]
+            if name == "thickness":
+                notes.append(f"is {thickness_kind(scene.mask.thickness_is, item.variable, path)}")
+            level = fields.surface_level(data, item.variable.name, item.layout, True, path)
+            notes += [f"level {level.said}"] if level and item.layout.level else []
+            text = f"'{item.variable.name}' of {path}"
+            found.append(Finding(f"mask {name}", text, (*notes, _grid(source), how)))
+    land = {"mask": "from the file", "none": "none"}.get(scene.mask.land, scene.mask.land)
+    return [*found, Finding("mask land", land)]
+
+
+def _mask_time(scene: Scene, item: Wanted) -> str:
+    if not np.isfinite(item.days_off):
+        return "of no known time"
+    records = item.variable.shape[item.variable.dims.index(item.layout.time)] if (
+        item.layout.time in item.variable.dims
+    ) else 1  # fmt: skip
+    which = f"record {item.index + 1} of {records}" if records > 1 else "one record"
+    return f"{which}, {item.days_off:.1f} days from the scene's start"
+
+
+def _of_forcing(scene: Scene) -> list[Finding]:
+    if scene.forcing.source != "file":
+        return [Finding("forcing", "analytic: cyclone, gyre and weather of the scene")]
+    found = []
+    with opened(scene) as sources:
+        for name, item in sources.tracks.items():
+            tracks = item if isinstance(item, tuple) else (item,)
+            names = ", ".join(f"'{track.name}'" for track in tracks)
+            files = list(dict.fromkeys(str(f.path) for track in tracks for f in track.files))
+            more = f" and {len(files) - 1} more" if len(files) > 1 else ""
+            notes = [_units(tracks[0].variable), _span(scene, tracks[0])]
+            level = tracks[0].level()
+            notes += [f"level {level}"] if level else []
+            if isinstance(item, tuple):
+                notes.append("east and north" if sources.east_north[name] else "along its grid")
+            source = tracks[0].source()
+            notes += [_grid(source), _transfer(scene, source, 1, FINER)]
+            found.append(Finding(name, f"{names} of {files[0]}{more}", tuple(notes)))
+        for name, stand_in in sources.fallbacks.items():
+            found.append(Finding(name, f"no file has it; {stand_in} stands in"))
+    return found
+
+
+def _units(variable: cf.Variable) -> str:
+    given = variable.text("units")
+    return f"units '{given}'" if given else "no units"
+
+
+def _span(scene: Scene, track: Track) -> str:
+    if not track.layout.time:
+        return "steady"
+    kinds = {"instant": "", "mean": ", means over time", "sum": ", sums over time"}
+    ends = [times.say(scene.time.start, float(track.seconds[k])) for k in (0, -1)]
+    return f"{ends[0]} to {ends[1]}, {track.seconds.size} records{kinds[track.kind]}"
+
+
+def _grid(source: fields.AnySource) -> str:
+    rows, columns = fields.shape_of(source)
+    if isinstance(source, fields.Curvilinear):
+        return f"curvilinear grid of {rows} x {columns}"
+    kind = "longitude and latitude" if source.crs is None else f"projected ({source.crs.name})"
+    return f"{kind}, {rows} x {columns}"
+
+
+def _transfer(scene: Scene, source: fields.AnySource, refine: int, finer: float) -> str:
+    grid = mask_grid(scene.domain, refine) if refine > 1 else scene_grid(scene.domain)
+    crs = scene_crs(scene.domain)
+    lon, lat = to_lonlat(crs, *grid.mesh())
+    found = area_means.transfer(source, grid, crs, lon, lat, finer)
+    how = "area means" if isinstance(found, area_means.AreaMeans) else "interpolated"
+    return f"covers {100.0 * found.inside.mean():.1f} % of the scene, {how}"

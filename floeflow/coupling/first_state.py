@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The first state of a scene in one call, as the workflow's rules make it one by one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import xarray as xr
+
+from floeflow.coupling.compaction import compactor
+from floeflow.coupling.initial import make_state
+from floeflow.masks.land import make_land
+from floeflow.masks.mask import make_mask
+from floeflow.packings.bonds import make_bonds
+from floeflow.packings.elements import grid_of
+from floeflow.packings.fresh_cells import make_cells
+from floeflow.packings.packing import make_packing
+from floeflow.scene import Scene
+from floeflow.state.cells import Cells, read_cells
+
+
+@dataclass(frozen=True)
+class First:
+    """A scene's first state, and the fresh cells that it remaps to.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        State 0.
+    cells : Cells or None
+        With the effect ``remap``.
+    """
+
+    state: xr.Dataset
+    cells: Cells | None
+
+
+def first_state(scene: Scene, scratch: Path) -> First:
+    """Make land, mask, packing, bonds and state 0 of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        With concrete effects.
+    scratch : Path
+        Folder for logs.
+
+    Raises
+    ------
+    FloeError
+        As the stages.
+    """
+    land = None
+    if scene.mask.land == "global_land_mask":
+        land = make_land(scene)["land_fraction"].values
+    mask = make_mask(scene, land)
+    keys, coast = scene.packing, "coast" in scene.effects
+    packing = make_packing(mask, keys, scene.seed, coast, compactor(grid_of(mask), scratch))
+    bonds = None
+    if "bonds" in scene.effects:
+        bonds = make_bonds(packing, keys.bond_gap, keys.bond_concentration, keys.coast_bonds)
+    cells = None
+    if "remap" in scene.effects:
+        cells = read_cells(make_cells(mask, packing, scene.seed))
+    return First(make_state(scene, packing, bonds), cells)

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Input files are checked in a process of their own, once for each scene and state of its files.
+
+The libraries that read them are large, and a damaged file may bring them down, or make them ask for
+all memory: then the run ends with a sentence, not with them. A check that passed is remembered by
+what it depends on: keys of the scene, size and age of the files, the code that reads them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import resource
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+from floeflow.core.atomic_write import write_text
+from floeflow.core.errors import FloeError, answer
+from floeflow.forcings.inputs import check_forcing_file
+from floeflow.forcings.window import forcing_files
+from floeflow.masks.mask_file import check_mask_file
+from floeflow.scene import Scene
+from floeflow.workflow.library import library_digest
+
+PASSED = Path("results/inputs/passed")
+# Memory and processor time of a check.
+MOST_BYTES, MOST_SECONDS = 12 * 2**30, 600
+KEYS = {"domain", "mask", "forcing", "time", "effects"}
+
+
+def check_inputs(scene: Scene, remember: bool = True) -> None:
+    """Refuse a scene whose mask or forcing files its stages could not use.
+
+    Parameters
+    ----------
+    scene : Scene
+        With concrete effects.
+    remember : bool
+        Whether to write down that the check passed.
+
+    Raises
+    ------
+    FloeError
+        As the checks of mask and forcing, or where one of the files brings the reader down.
+    """
+    mark = PASSED / _digest(scene)
+    if mark.is_file():
+        return
+    done = subprocess.run(
+        [sys.executable, "-m", "floeflow.workflow.input_guard"],
+        input=scene.model_dump_json(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode < 0 or done.returncode not in (0, 1):
+        how = signal.Signals(-done.returncode).name if done.returncode < 0 else "a fault"
+        raise FloeError(
+            f"reading {scene.mask.file or 'the mask'} or the forcing ended the reader ({how}): a "
+            "file is damaged or far too large"
+        )
+    if done.returncode:
+        lines = [line for line in done.stderr.splitlines() if line.startswith("floeflow: ")]
+        raise FloeError((lines or ["floeflow: the check of the input files failed"])[-1][10:])
+    if remember:
+        write_text("", mark)
+
+
+def _digest(scene: Scene) -> str:
+    keys = scene.model_dump(mode="json", include=KEYS)
+    files = []
+    try:
+        given = [scene.mask.file, *forcing_files(scene)]
+    except FloeError:
+        given = [scene.mask.file]
+    for name in given:
+        path = Path(name)
+        for each in [path] if not path.is_dir() else sorted(path.rglob("*")):
+            if each.is_file():
+                stat = each.stat()
+                files.append([str(each), stat.st_size, stat.st_mtime_ns])
+    code = [library_digest("mask"), library_digest("windows")]
+    text = json.dumps([keys, files, code], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+def _check() -> str:
+    for kind, most in ((resource.RLIMIT_AS, MOST_BYTES), (resource.RLIMIT_CPU, MOST_SECONDS)):
+        _, hard = resource.getrlimit(kind)
+        resource.setrlimit(kind, (most if hard < 0 else min(most, hard), hard))
+    scene = Scene.model_validate_json(sys.stdin.read())
+    try:
+        check_mask_file(scene)
+        check_forcing_file(scene)
+    except MemoryError:
+        raise FloeError(
+            f"{scene.mask.file}, or the forcing, asks for more than {MOST_BYTES >> 30} GiB"
+        ) from None
+    return ""
+
+
+if __name__ == "__main__":
+    sys.exit(answer(_check))

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""`floeflow check`: what was found for each quantity; and the check's process of its own."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from PIL import Image
+from typer.testing import CliRunner
+
+from floeflow.cli import app
+from floeflow.core.errors import FloeError
+from floeflow.scene import load_scene
+from floeflow.workflow import input_guard
+
+UNITS = "hours since 1981-12-31"
+
+
+def lonlat(fields: dict[str, tuple[float, dict[str, str]]], hours: np.ndarray) -> xr.Dataset:
+    lat, lon = np.arange(60.0, 90.1, 1.0), np.arange(0.0, 360.0, 2.0)
+    coords = {
+        "time": ("time", hours, {"units": UNITS}),
+        "lat": ("lat", lat, {"units": "degrees_north"}),
+        "lon": ("lon", lon, {"units": "degrees_east"}),
+    }
+    shape = (hours.size, lat.size, lon.size)
+    data = {n: (tuple(coords), np.full(shape, v), attrs) for n, (v, attrs) in fields.items()}
+    return xr.Dataset(data, coords)
+
+
+@pytest.fixture
+def scene_file(tmp_path: Path) -> Path:
+    ice = {"standard_name": "sea_ice_area_fraction", "units": "%"}
+    lonlat({"ice": (80.0, ice)}, np.array([6.0])).to_netcdf(tmp_path / "ice.nc")
+    wind = {"u10": (3.0, {"units": "m s-1"}), "v10": (4.0, {"units": "m s-1"})}
+    wind |= {"avg_sdswrf": (50.0, {"units": "W m-2"})}
+    lonlat(wind, np.arange(0.0, 49.0)).to_netcdf(tmp_path / "wind.nc")
+    scene = {
+        "effects": ["wind", "ocean_drag"],
+        "domain": {"x_min": -5e5, "x_max": 5e5, "y_min": -5e5, "y_max": 5e5, "spacing": 1e5},
+        "mask": {"file": str(tmp_path / "ice.nc"), "land": "none", "refine": 1},
+        "forcing": {"source": "file", "file": str(tmp_path / "wind.nc"),
+                    "fallback": {"ocean": "gyre"}},
+        "time": {"windows": 1},
+    }  # fmt: skip
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump(scene))
+    return path
+
+
+def test_all_that_was_found_is_told(scene_file: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "maps" / "inputs.png"
+    done = CliRunner().invoke(app, ["check", str(scene_file), "--plot", str(picture)])
+    assert done.exit_code == 0, done.output
+    said = done.output
+    for line in (
+        f"mask concentration: 'ice' of {tmp_path / 'ice.nc'}",
+        "    units '%'",
+        "    one record, 0.2 days from the scene's start",
+        "    longitude and latitude, 31 x 180",
+        "    covers 100.0 % of the scene, interpolated",
+        "mask land: none",
+        f"wind: 'u10', 'v10' of {tmp_path / 'wind.nc'}",
+        "    1981-12-31 00:00:00 to 1982-01-02 00:00:00, 49 records",
+        "ocean: no file has it; gyre stands in",
+    ):
+        assert line in said.splitlines()
+    pixels = np.asarray(Image.open(picture).convert("L"))
+    assert pixels.std() > 10
+
+
+def test_what_is_wrong_is_one_sentence(scene_file: Path, tmp_path: Path) -> None:
+    (tmp_path / "wind.nc").unlink()
+    done = CliRunner().invoke(app, ["check", str(scene_file)])
+    assert done.exit_code == 1
+    assert "wind.nc: there is no such file" in (done.output + str(done.stderr))
+
+
+def test_the_guard_says_what_the_checks_say(
+    scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    scene = load_scene(scene_file)
+    input_guard.check_inputs(scene)
+    passed = list((tmp_path / input_guard.PASSED).iterdir())
+    assert len(passed) == 1
+    # What passed is not read again as long as nothing changes.
+    with monkeypatch.context() as patch:
+        patch.setattr(input_guard.subprocess, "run", None)
+        input_guard.check_inputs(scene)
+    lonlat({"u10": (3.0, {"units": "m s-1"})}, np.arange(0.0, 49.0)).to_netcdf(tmp_path / "new.nc")
+    (tmp_path / "new.nc").replace(tmp_path / "wind.nc")
+    with pytest.raises(FloeError, match=r"^.*wind.nc: has no wind: no standard_names east"):
+        input_guard.check_inputs(scene)
+
+
+def test_a_reader_that_is_brought_down(
+    scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by a damaged file in a C library: the sentence names the signal."""
+    monkeypatch.chdir(tmp_path)
+    crash = "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"
+    real = input_guard.subprocess.run
+
+    def run(command: list[str], **more: object) -> object:
+        return real([command[0], "-c", crash], **more)  # type: ignore[call-overload]
+
+    monkeypatch.setattr(input_guard.subprocess, "run", run)
+    with pytest.raises(FloeError, match=f"ended the reader \\({signal.SIGSEGV.name}\\)"):
+        input_guard.check_inputs(load_scene(scene_file), remember=False)
+    assert not (tmp_path / "results").exists()
