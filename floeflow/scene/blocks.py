@@ -42,7 +42,7 @@ def key(default: Any, text: str, unit: str = "", **bounds: Any) -> Any:
 
 
 # No projection of the earth reaches further (m); no path or paragraph is longer.
-FARTHEST = 5.0e7
+FARTHEST = 2.0e8
 LONGEST_TEXT = 4000
 
 

@@ -45,6 +45,7 @@ def said(path: Path, capsys: pytest.CaptureFixture[str], config: dict[str, Any])
 @pytest.fixture(autouse=True)
 def plugin(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Any file: nothing here runs."""
+    (tmp_path / "libfloe.so").touch()
     monkeypatch.setenv("FLOEFLOW_PLUGIN", str(tmp_path / "libfloe.so"))
 
 
