@@ -11,7 +11,8 @@ def main(snakemake: Snakemake) -> None:
     scene = scene_of(snakemake)
     packing = read_dataset(snakemake.input.packing)
     bonds = read_dataset(snakemake.input.bonds) if "bonds" in scene.effects else None
-    state = make_state(scene, packing, bonds)
+    mask = read_dataset(snakemake.input.mask) if "mixed_layer" in scene.effects else None
+    state = make_state(scene, packing, bonds, mask)
     write_state(state, snakemake.output.state, scene.state.precision)
 
 

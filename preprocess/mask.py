@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rule ``mask``: ice concentration and thickness on the mask grid, from the ice mask."""
 
+from floeflow.coupling.sea.reading import with_sea
 from floeflow.masks.mask import make_mask
 from floeflow.state import read_dataset, write_dataset
 from floeflow.workflow.job import Snakemake, run_script, scene_of
@@ -12,7 +13,10 @@ def main(snakemake: Snakemake) -> None:
     land = None
     if scene.mask.land == "global_land_mask":
         land = read_dataset(snakemake.input.land)["land_fraction"].values
-    write_dataset(make_mask(scene, land), snakemake.output.mask)
+    mask = make_mask(scene, land)
+    if "mixed_layer" in scene.effects:
+        mask = with_sea(scene, mask)
+    write_dataset(mask, snakemake.output.mask)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ def main(snakemake: Snakemake) -> None:
         ranks=snakemake.threads,
         cells=Path(str(snakemake.input.cells)) if snakemake.input.cells else None,
         library=snakemake.params.library,
+        mask=Path(str(snakemake.input.mask)) if snakemake.input.mask else None,
     )
     run_chunk(chunk)
 

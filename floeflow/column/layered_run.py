@@ -92,7 +92,7 @@ def step_forcing(values: dict[str, Array], settings: Settings) -> dict[str, Arra
         "visible": VISIBLE * light,
         "infrared": INFRARED * light,
         "snowfall": values.get("snowfall", none),
-        "sea_salinity": np.full_like(air, settings.ocean_salinity),
+        "sea_salinity": values.get("sea_salinity", np.full_like(air, settings.ocean_salinity)),
         "deep_heat": values["ocean_heat_flux"],
         "mixed_depth": np.full_like(air, settings.mixed_layer_depth),
         "ocean_friction": values.get("friction_velocity", none),

@@ -50,6 +50,8 @@ class Chunk:
         Fresh cells of a scene that remaps.
     library : str
         Digest of the code that makes the windows.
+    mask : Path or None
+        The mask, in which the sea is, of a scene with a mixed layer or rims.
     """
 
     scene: Scene
@@ -60,6 +62,7 @@ class Chunk:
     ranks: int
     cells: Path | None = None
     library: str = ""
+    mask: Path | None = None
 
     @property
     def name(self) -> str:
@@ -117,6 +120,7 @@ def run_chunk(chunk: Chunk) -> int:
                 folder=str(chunk.folder),
                 fixed=fixed,
                 cells=str(chunk.cells or ""),
+                mask=str(chunk.mask or ""),
             )
             run_ranks(job, chunk.ranks, chunk.folder / "log/windows" / f"{chunk.name}.ranks.log")
         publish(chunk)

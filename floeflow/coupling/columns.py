@@ -7,45 +7,83 @@ A column knows nothing of its neighbours, so slices give the same bits on any nu
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 from mpi4py import MPI
 
 from floeflow.column.forcing import sample_series
-from floeflow.column.params import ColumnParams, zero_layer_params
 from floeflow.column.schemes import advance_columns as advance_slice
 from floeflow.column.settings import column_settings
-from floeflow.column.shortwave.sun import day_of_year, sun_height
 from floeflow.core.collective import on_all
 from floeflow.core.grids import scene_crs, to_lonlat
-from floeflow.dynamics.bonds.refreeze import Cold, refreeze
-from floeflow.dynamics.motion import engine_params
+from floeflow.core.sun import day_of_year, sun_height
+from floeflow.coupling.sea.birth import OpenIce, icy, melt_back, settle_ice
+from floeflow.coupling.sea.columns import float_columns, give_back
+from floeflow.coupling.sea.ice import add_terms
+from floeflow.coupling.sea.places import SeaPlaces
+from floeflow.coupling.sea.shares import build_shares
+from floeflow.coupling.sea.water import Water, read_water, relax_heat, relax_salt, with_water
 from floeflow.scene import Scene
-from floeflow.scene.effects import column_forcing_variables, column_variables
+from floeflow.scene.effects import SEA_VARIABLES, column_forcing_variables, column_variables
 from floeflow.state.elements import Arrays
 from floeflow.state.schema import MOBILE
+
+SEA_SURFACE_TEMPERATURE = "sea_surface_temperature"
 
 Budget = dict[str, float]
 
 
-def column_params(scene: Scene) -> ColumnParams:
-    """Constants of zero-layer ice in the scene."""
-    return zero_layer_params(column_settings(scene))
+@dataclass(frozen=True)
+class Columns:
+    """Columns to advance: of the mobile elements and, on a mixed layer, of open water.
+
+    Parameters
+    ----------
+    values : dict of ndarray
+        By the names of the state's schema, (n, ...).
+    x, y, u, v, area : ndarray
+        Places (m), velocities (m/s) and effective areas (m2), (n,).
+    closed : ndarray or None
+        Share of the areas that ridging has just closed, with redistribution.
+    salinity : ndarray or None
+        Of the mixed layer below (1e-3).
+    """
+
+    values: Arrays
+    x: np.ndarray
+    y: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    area: np.ndarray
+    closed: np.ndarray | None = None
+    salinity: np.ndarray | None = None
+
+    def some(self, rows: np.ndarray) -> Columns:
+        """Some of them."""
+        values = {name: value[rows] for name, value in self.values.items()}
+        places = self.x[rows], self.y[rows], self.u[rows], self.v[rows], self.area[rows]
+        closed = None if self.closed is None else self.closed[rows]
+        return Columns(
+            values, *places, closed, None if self.salinity is None else self.salinity[rows]
+        )
 
 
 def forcing_sampler(
-    scene: Scene, state: xr.Dataset, forcing: xr.Dataset, rows: np.ndarray
+    scene: Scene, columns: Columns, forcing: xr.Dataset
 ) -> Callable[[float], dict[str, np.ndarray]]:
-    """Forcing of some elements as a function of time.
+    """Forcing of some columns as a function of time.
 
     With a mixed layer and ocean drag the ice's drift against the current gives the friction
     velocity under it, sqrt(C_w) |u_w - u|, with the velocity at the window's end.
     """
-    names = column_forcing_variables(scene.effects)
+    names = tuple(
+        name for name in column_forcing_variables(scene.effects) if name != SEA_SURFACE_TEMPERATURE
+    )
     rubs = "mixed_layer" in scene.effects and "ocean_drag" in scene.effects
     names = (*names, "ocean_u", "ocean_v") if rubs else names
-    u, v, x, y = (state[name].values[rows] for name in "uvxy")
+    u, v, x, y = columns.u, columns.v, columns.x, columns.y
     series = sample_series(forcing, names, x, y)
     lit = column_settings(scene).needs_sun
     lon, lat = to_lonlat(scene_crs(scene.domain), x, y) if lit else (x, y)
@@ -57,9 +95,47 @@ def forcing_sampler(
             values["friction_velocity"] = np.sqrt(scene.dynamics.ocean_drag) * slip
         if lit:
             values["sun_height"] = sun_height(day_of_year(scene.time.start, t), lat, lon)
+        if columns.salinity is not None:
+            values["sea_salinity"] = columns.salinity
         return values
 
     return sample
+
+
+def mobile_columns(scene: Scene, state: xr.Dataset, first_area: np.ndarray) -> Columns:
+    """Columns of the mobile elements, without their sea."""
+    rows = np.flatnonzero(state["type"].values == MOBILE)
+    scheme = column_settings(scene).scheme
+    names = [n for n in column_variables(scene.effects, scheme) if n not in SEA_VARIABLES]
+    closed = None
+    if "redistribution" in scene.effects:
+        closed = 1.0 - state["area"].values[rows] / first_area[rows]
+    x, y, u, v, area = (state[name].values[rows] for name in ("x", "y", "u", "v", "area"))
+    values = {name: state[name].values[rows] for name in names}
+    return Columns(values, x, y, u, v, area, closed)
+
+
+def advance_all(
+    comm: MPI.Comm,
+    scene: Scene,
+    columns: Columns,
+    forcing: xr.Dataset,
+    window: tuple[float, float],
+) -> tuple[Arrays, Arrays]:
+    """Advance columns over a window, a slice on each rank; all, and their terms, on each."""
+    settings = column_settings(scene)
+    part = columns.some(np.array_split(np.arange(len(columns.x)), comm.size)[comm.rank])
+
+    def advance() -> tuple[Arrays, Arrays]:
+        sample = forcing_sampler(scene, part, forcing)
+        return advance_slice(part.values, sample, window, settings, part.closed)
+
+    after, terms = on_all(comm, advance)
+    # Put together whole, so that sums are the same on any number of ranks.
+    return tuple(
+        {name: np.concatenate(comm.allgather(value)) for name, value in each.items()}
+        for each in (after, terms)
+    )  # type: ignore[return-value]
 
 
 def advance_columns(
@@ -69,8 +145,9 @@ def advance_columns(
     forcing: xr.Dataset,
     window: tuple[float, float],
     first_area: np.ndarray,
-) -> tuple[xr.Dataset, Arrays]:
-    """Advance the columns of all mobile elements over a window.
+    places: SeaPlaces | None = None,
+) -> tuple[xr.Dataset, Arrays, Budget, OpenIce | None]:
+    """Advance the columns of all mobile elements over a window, and the sea that they float on.
 
     Parameters
     ----------
@@ -86,36 +163,75 @@ def advance_columns(
         Start and end of the window, s since the scene's start.
     first_area : ndarray
         Areas of the elements before the window's ridging (m2), (n,).
+    places : SeaPlaces, optional
+        The sea, with a mixed layer.
 
     Returns
     -------
-    tuple of xarray.Dataset and dict
+    tuple of xarray.Dataset, two dicts, and OpenIce or None
         State with new columns; terms of the budgets of each mobile element, over its area:
         ``growth_<term>`` (m3 of ice), ``snow_<term>`` (m3 of snow), ``energy_<term>`` (J),
-        ``water_<term>`` and ``salt_<term>`` (kg), (n,). `totals` adds them up.
+        ``water_<term>`` and ``salt_<term>`` (kg), (n,), which `totals` adds up; sums of the same
+        terms over open water, and of the sea ``sea_heat_<term>`` (J) and ``sea_salt_<term>`` (kg);
+        and the ice that formed in open water, which has to be settled.
     """
+    columns = mobile_columns(scene, state, first_area)
+    count = len(columns.x)
+    if places is None or "mixed_layer" not in scene.effects:
+        after, terms = advance_all(comm, scene, columns, forcing, window)
+        each = {name: columns.area * values for name, values in terms.items()}
+        return _with_columns(state, after), each, {}, None
     settings = column_settings(scene)
-    names = column_variables(scene.effects, settings.scheme)
+    water = read_water(state, places.area, settings)
+    grid = places.grid
+    shares = build_shares(columns.x, columns.y, columns.area, grid, places.area)
+    afloat = float_columns(
+        water, shares, columns.values, (columns.x, columns.y, columns.area), grid.places()
+    )
+    still = np.zeros(len(afloat.cells))
+    closed = None if columns.closed is None else np.concatenate([columns.closed, still])
+    u, v = (np.concatenate([each, still]) for each in (columns.u, columns.v))
+    every = Columns(afloat.columns, afloat.x, afloat.y, u, v, afloat.area, closed, afloat.salinity)
+    after, terms = advance_all(comm, scene, every, forcing, window)
+    every_term = {name: afloat.area * values for name, values in terms.items()}
+    each = {name: values[:count] for name, values in every_term.items()}
+    of_open = totals({name: values[count:] for name, values in every_term.items()})
+    water, sea_terms = give_back(water, shares, afloat, after, terms)
+    water, drawn = _relaxed(scene, water, forcing, window)
+    own = {name: values[:count] for name, values in after.items() if name not in SEA_VARIABLES}
+    ice = {name: values[count:] for name, values in after.items() if name not in SEA_VARIABLES}
+    found = OpenIce(afloat.cells, afloat.area[count:], ice, shares)
+    state = with_water(_with_columns(state, own), water)
+    return state, each, {**of_open, **add_terms(sea_terms, drawn)}, found
+
+
+def _relaxed(
+    scene: Scene, water: Water, forcing: xr.Dataset, window: tuple[float, float]
+) -> tuple[Water, Budget]:
+    """The sea after relaxation to a temperature, and to the salinity of the water below."""
+    seconds, terms = window[1] - window[0], {}
+    if "sea_relaxation" in scene.effects:
+        moments = forcing["time"].values
+        field = forcing[SEA_SURFACE_TEMPERATURE].values.reshape(len(moments), -1)
+        middle = 0.5 * (window[0] + window[1])
+        target = np.array([np.interp(middle, moments, field[:, k]) for k in range(field.shape[1])])
+        water, gained = relax_heat(water, target, seconds, scene.sea.relaxation_time)
+        terms["sea_heat_relaxation"] = gained
+    if scene.sea.salinity_time > 0.0:
+        water, came = relax_salt(water, seconds, scene.sea.salinity_time)
+        terms["sea_salt_deep"] = came
+    return water, terms
+
+
+def _with_columns(state: xr.Dataset, columns: Arrays) -> xr.Dataset:
+    """State whose mobile elements have these columns."""
     mobile = np.flatnonzero(state["type"].values == MOBILE)
-    mine = np.array_split(mobile, comm.size)[comm.rank]
-    before = {name: state[name].values[mine] for name in names}
-    closed = None
-    if "redistribution" in scene.effects:
-        closed = 1.0 - state["area"].values[mine] / first_area[mine]
-
-    def advance() -> tuple[Arrays, Arrays]:
-        sample = forcing_sampler(scene, state, forcing, mine)
-        return advance_slice(before, sample, window, settings, closed)
-
-    after, terms = on_all(comm, advance)
     result = state.copy()
-    for name in names:
+    for name, values in columns.items():
         whole = state[name].values.copy()
-        whole[mobile] = np.concatenate(comm.allgather(after[name]))
+        whole[mobile] = values
         result[name] = (state[name].dims, whole)
-    area = state["area"].values[mobile]
-    each = {name: area * np.concatenate(comm.allgather(values)) for name, values in terms.items()}
-    return result, each
+    return result
 
 
 def totals(each: Arrays) -> Budget:
@@ -126,42 +242,27 @@ def totals(each: Arrays) -> Budget:
     return {name: float(values.sum()) for name, values in each.items()}
 
 
-def freeze_window(
-    scene: Scene,
-    state: xr.Dataset,
-    touched: Arrays,
-    forcing: xr.Dataset,
-    window: tuple[float, float],
-) -> tuple[xr.Dataset, int]:
-    """Let cracks and contacts of a window refreeze; see `floeflow.dynamics.bonds.refreeze`.
+def settle_open_ice(
+    scene: Scene, state: xr.Dataset, found: OpenIce, places: SeaPlaces, last: bool
+) -> tuple[xr.Dataset, Budget]:
+    """What becomes of ice that formed in open water; see `floeflow.coupling.sea.birth`.
 
     Parameters
     ----------
     scene : Scene
         The scene.
     state : xarray.Dataset
-        State after the dynamics and the column of the window.
-    touched : dict of ndarray
-        Contact table at the window's start.
-    forcing : xarray.Dataset
-        The window's forcing on the scene's grid.
-    window : tuple of float
-        Start and end of the window, s since the scene's start.
-
-    Returns
-    -------
-    tuple of xarray.Dataset and int
-        New state, and the number of bonds that formed.
+        After the columns.
+    found : OpenIce
+        From `advance_columns`.
+    places : SeaPlaces
+        The sea.
+    last : bool
+        At the window's end; before the dynamics no element may come or go, and all melts back.
     """
-    ice, d = column_params(scene), scene.dynamics
-    growth = 2.0 * ice.ice_conductivity / (ice.ice_density * ice.latent_fusion)
-    cold = Cold(
-        *(d.refreeze_time, d.refreeze_temperature, d.refreeze_thickness),
-        *(ice.freezing_temperature, growth, scene.packing.coast_bonds),
-    )
-
-    def air(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        sample = sample_series(forcing, ("air_temperature",), x, y)
-        return sample(0.5 * (window[0] + window[1]))["air_temperature"]
-
-    return refreeze(state, touched, air, cold, engine_params(scene), window[1] - window[0])
+    water = read_water(state, places.area, column_settings(scene))
+    if last:
+        state, water, terms = settle_ice(state, water, found, places)
+    else:
+        water, terms = melt_back(water, icy(found))
+    return with_water(state, water), terms

@@ -13,7 +13,7 @@ import sys
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -26,10 +26,17 @@ from floeflow.core.errors import FloeError
 from floeflow.core.lock import hold_job
 from floeflow.core.records import Record, write_records
 from floeflow.coupling import resume
-from floeflow.coupling.columns import advance_columns, freeze_window, totals
+from floeflow.coupling.columns import advance_columns, settle_open_ice, totals
+from floeflow.coupling.crowding import close_crowded
 from floeflow.coupling.fluxes import window_fluxes
+from floeflow.coupling.gates import gate_fluxes, gate_lines
 from floeflow.coupling.job import Job
-from floeflow.coupling.series import series_dataset, volumes
+from floeflow.coupling.refreezing import freeze_window
+from floeflow.coupling.sea.birth import OpenIce
+from floeflow.coupling.sea.ice import add_terms
+from floeflow.coupling.sea.places import SeaPlaces, read_places
+from floeflow.coupling.series import sea_change, series_dataset, volumes
+from floeflow.coupling.window_end import end_at_sea
 from floeflow.dynamics.bonds.stress_free_growth import keep_forces
 from floeflow.dynamics.motion import Motion, move
 from floeflow.dynamics.remesh.remesh import carry_drift, cure
@@ -61,6 +68,7 @@ def advance_window(
     log: Path,
     report: Report,
     cells: Cells | None = None,
+    places: SeaPlaces | None = None,
 ) -> Advanced:
     """Advance a state by one window: dynamics, then column, then what cures distortion.
 
@@ -78,6 +86,8 @@ def advance_window(
         Called with the step reached, the number of steps and elements.
     cells : Cells, optional
         Fresh cells of a scene that remaps.
+    places : SeaPlaces, optional
+        The sea of a scene with a mixed layer.
 
     Returns
     -------
@@ -91,24 +101,31 @@ def advance_window(
     """
     start = float(state.attrs["time"])
     end = start + scene.time.window
-    budget = volumes(state, "start")
+    budget, first = volumes(state, "start"), state
     touched, area = pair_arrays(state, "contact"), state["area"].values
     # Half of the column before the dynamics makes the splitting second order (Strang 1968).
     middle = 0.5 * (start + end) if scene.column.splitting == "around" else start
     before = Grown(state)
     if middle > start:
-        before = grow(comm, scene, state, forcing, (start, middle), area, start)
+        before = grow(comm, scene, state, forcing, (start, middle), area, start, places)
+        if before.found is not None and places is not None:
+            settled, terms = settle_open_ice(scene, before.state, before.found, places, False)
+            before = replace(before, state=settled, terms=add_terms(before.terms, terms))
     grown = volumes(before.state, "dynamics")
     motion = move(comm, scene, before.state, forcing, log, report)
     state = carry_drift(before.state, motion.state)
+    if "gates" in scene.effects:
+        budget |= gate_fluxes(before.state, state, gate_lines(scene))
+    if "ridging" in scene.effects and places is not None:
+        state, crowded = on_root(comm, close_crowded, scene, state, places)
+        budget |= crowded
     # What the dynamics alone change, counted from the window's start.
     for name, volume in volumes(state, "dynamics").items():
         at_start = budget[name.replace("_dynamics", "_start")]
         budget[name] = volume - (grown[name] - at_start) if middle > start else volume
-    after = grow(comm, scene, state, forcing, (middle, end), area, end)
+    after = grow(comm, scene, state, forcing, (middle, end), area, end, places)
     state = after.state
-    for name in after.terms:
-        budget[name] = before.terms.get(name, 0.0) + after.terms[name]
+    budget |= add_terms(before.terms, after.terms)
     began, used = time.perf_counter(), time.process_time()
     if "refreeze" in scene.effects:
         state, formed = freeze_window(scene, state, touched, forcing, (start, end))
@@ -127,6 +144,13 @@ def advance_window(
         fluxes = window_fluxes(scene, state, _sums(motion, before, after), (start, end))
         n, seconds = state.sizes["element"], time.perf_counter() - began
         costs.append(Record("fluxes", n, comm.size, [seconds]))
+    began = time.perf_counter()
+    state, terms = on_root(comm, end_at_sea, scene, state, after.found, places)
+    budget = add_terms(budget, terms)
+    if "mixed_layer" in scene.effects and places is not None:
+        budget |= sea_change(scene, first, state, places)
+        n, seconds = state.sizes["element"], time.perf_counter() - began
+        costs.append(Record("sea", n, comm.size, [seconds]))
     if {"remap", "merge"} & set(scene.effects):
         began = time.perf_counter()
         state, terms = on_root(comm, cure, scene, state, cells)
@@ -149,13 +173,17 @@ def _sums(motion: Motion, before: Grown, after: Grown) -> dict[str, np.ndarray]:
 
 @dataclass(frozen=True)
 class Grown:
-    """A state after its columns were advanced, terms in all and of each element, and seconds."""
+    """A state after its columns were advanced, terms in all and of each element, and seconds.
+
+    ``found`` is the ice that formed in open water, which has to be settled.
+    """
 
     state: xr.Dataset
     terms: Mapping[str, float] = field(default_factory=dict)
     each: Mapping[str, np.ndarray] = field(default_factory=dict)
     seconds: float = 0.0
     cpu_seconds: float = 0.0
+    found: OpenIce | None = None
 
 
 def grow(
@@ -166,6 +194,7 @@ def grow(
     span: tuple[float, float],
     area: np.ndarray,
     moved: float,
+    places: SeaPlaces | None = None,
 ) -> Grown:
     """Advance the columns over a part of a window, if the scene has any, and what they join.
 
@@ -181,14 +210,17 @@ def grow(
         Effective areas before the dynamics (m2): what closed since then ridges.
     moved : float
         Time to which elements and walls have moved, s since the scene's start.
+    places : SeaPlaces, optional
+        As for `advance_window`.
     """
     if "thermodynamics" not in scene.effects:
         return Grown(state)
     began, used = time.perf_counter(), time.process_time()
-    grown, each = advance_columns(comm, scene, state, forcing, span, area)
+    grown, each, more, found = advance_columns(comm, scene, state, forcing, span, area, places)
     state = keep_forces(state, thin_bonds(grown), scene.dynamics.minimum_thickness, moved)
     cpu = comm.allreduce(time.process_time() - used)
-    return Grown(state, totals(each), each, time.perf_counter() - began, cpu)
+    terms = add_terms(totals(each), more)
+    return Grown(state, terms, each, time.perf_counter() - began, cpu, found)
 
 
 def warm_up(comm: MPI.Comm, scene: Scene, state: xr.Dataset, forcing: xr.Dataset) -> None:
@@ -236,6 +268,7 @@ def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
     scene = job.read_scene()
     state = on_root(comm, read_state, job.state)
     cells = read_cells(on_root(comm, read_dataset, job.cells)) if job.cells else None
+    places = on_root(comm, read_places, scene, job.mask) if job.mask else None
     for number in range(job.done, len(job.windows)):
         window, work = job.windows[number], resume.work_folder(folder, job.windows[number])
         began, used = time.perf_counter(), time.process_time()
@@ -247,7 +280,8 @@ def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
             warm_up(comm, scene, state, forcing)
             began = time.perf_counter() - cost[0].seconds[0]
         log = folder / "log/windows" / f"{window}.liggghts.log"
-        advanced = advance_window(comm, scene, state, forcing, log, _reporter(comm, window), cells)
+        report = _reporter(comm, window)
+        advanced = advance_window(comm, scene, state, forcing, log, report, cells, places)
         advanced.cost[:0] = cost
         provenance = json.loads(state.attrs["provenance"])
         provenance |= job.fixed | {"window": job.hashes[number]}

@@ -8,12 +8,15 @@ import xarray as xr
 
 from floeflow.column.initial_columns import SNOW_LAYERS, first_columns
 from floeflow.column.settings import column_settings
+from floeflow.core.grids import scene_grid
 from floeflow.coupling.initial_walls import wall_variables
+from floeflow.coupling.sea.first import first_sea
+from floeflow.coupling.sea.places import sea_places
 from floeflow.scene import stage_hash
 from floeflow.scene.blocks import Scene
 from floeflow.state import SCHEMA_VERSION
 from floeflow.state.attributes import SCHEME_ATTRIBUTE
-from floeflow.state.schema import VARIABLES, expected_variables
+from floeflow.state.schema import MOBILE, VARIABLES, expected_variables
 
 # Stages on which the state at the start depends.
 STAGES = ("land", "mask", "packing", "bonds", "initial")
@@ -25,7 +28,12 @@ def provenance(scene: Scene) -> str:
     return json.dumps({name: stage_hash(scene, name) for name in stages}, sort_keys=True)
 
 
-def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> xr.Dataset:
+def make_state(
+    scene: Scene,
+    packing: xr.Dataset,
+    bonds: xr.Dataset | None,
+    mask: xr.Dataset | None = None,
+) -> xr.Dataset:
     """State at the start.
 
     Parameters
@@ -36,6 +44,8 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
         Output of the packing stage.
     bonds : xarray.Dataset or None
         Output of the bonds stage, with the effect bonds.
+    mask : xarray.Dataset or None
+        Output of the mask stage, with the effect mixed_layer.
 
     Returns
     -------
@@ -57,9 +67,16 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
     sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}
     sizes |= {"ice_layer": scene.column.layers, "snow_layer": SNOW_LAYERS}
     sizes["wall_contact"] = len(made.get("wall_contact_id", ()))
-    data = {}
+    data: dict[str, tuple[tuple[str, ...], np.ndarray]] = {}
+    if "mixed_layer" in scene.effects:
+        assert mask is not None
+        grid = scene_grid(scene.domain)
+        places = sea_places(mask, grid.x, grid.y)
+        data |= first_sea(places, mask, column_settings(scene))
     for name in expected_variables(scene.effects, scene.column.scheme):
         rule = VARIABLES[name]
+        if name in data:
+            continue
         if name in made:
             values = made[name]
         elif name in packing:
@@ -84,7 +101,16 @@ def make_state(scene: Scene, packing: xr.Dataset, bonds: xr.Dataset | None) -> x
     }
     if "thermodynamics" in scene.effects:
         attrs[SCHEME_ATTRIBUTE] = scene.column.scheme
+    if {"mixed_layer", "rims"} & set(scene.effects):
+        attrs["typical_area"] = _typical_area(scene, packing)
     return xr.Dataset(data, attrs=attrs)
+
+
+def _typical_area(scene: Scene, packing: xr.Dataset) -> float:
+    """Effective area (m2) of an element of the scene: the mean, or what it is where all freezes."""
+    area = packing["area"].values[packing["type"].values == MOBILE]
+    ocean = float(packing.attrs["ocean_area"])
+    return float(area.mean()) if len(area) else ocean / scene.packing.elements
 
 
 def _columns(scene: Scene, packing: xr.Dataset) -> dict[str, np.ndarray]:

@@ -31,6 +31,8 @@ class Job:
         What is the same for all windows of a run, kept in each state's provenance.
     cells : str
         File of the fresh cells; empty where nothing is remapped.
+    mask : str
+        File of the mask, in which the sea is; empty without a mixed layer.
     """
 
     scene: dict[str, object]
@@ -41,6 +43,7 @@ class Job:
     folder: str
     fixed: dict[str, str]
     cells: str = ""
+    mask: str = ""
 
     def to_json(self) -> str:
         """Return the job as one line of JSON."""

@@ -8,8 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from floeflow.column.settings import column_settings
+from floeflow.coupling.sea.water import read_water
+
 if TYPE_CHECKING:
+    from floeflow.coupling.sea.places import SeaPlaces
     from floeflow.dynamics.motion import Motion
+    from floeflow.scene import Scene
 
 UNITS = {
     "time": "s",
@@ -43,6 +48,27 @@ PREFIX_UNITS = {
     "merge_energy": "J",
     "merge_": "1",
     "wall_force_": "N",
+    "sea_heat_": "J",
+    "sea_salt_": "kg",
+    "sea_joined": "m2",
+    "sea_": "1",
+    "export_ice_area_": "m2",
+    "export_ice_volume_": "m3",
+    "export_snow_volume_": "m3",
+    "export_energy_": "J",
+    "export_water_": "kg",
+    "export_salt_": "kg",
+    "export_": "1",
+    "inflow_ice_area_": "m2",
+    "inflow_ice_volume_": "m3",
+    "inflow_snow_volume_": "m3",
+    "inflow_energy_": "J",
+    "inflow_water_": "kg",
+    "inflow_salt_": "kg",
+    "inflow_": "1",
+    "crowded_area": "m2",
+    "gate_area_": "m2",
+    "gate_volume_": "m3",
 }
 
 
@@ -56,6 +82,18 @@ def volumes(state: xr.Dataset, moment: str) -> dict[str, float]:
     if "snow_volume" in state:
         totals["snow_volume"] = state["snow_volume"].values.sum(axis=1)
     return {f"{name}_{moment}": float(area @ each) for name, each in totals.items()}
+
+
+def sea_change(
+    scene: Scene, before: xr.Dataset, after: xr.Dataset, places: SeaPlaces
+) -> dict[str, float]:
+    """By how much the mixed layer's heat (J) and salt (kg) have changed, from two states."""
+    settings = column_settings(scene)
+    first, last = (read_water(state, places.area, settings) for state in (before, after))
+    return {
+        "sea_heat_stored": float(places.area.ravel() @ (last.heat - first.heat)),
+        "sea_salt_stored": last.total_salt - first.total_salt,
+    }
 
 
 def series_dataset(motion: Motion, budget: dict[str, float], start: float) -> xr.Dataset:

@@ -179,7 +179,7 @@ def ice_volume_budgets(
     start = scalars["ice_volume_start"].values.astype(float)
     moved = scalars["ice_volume_dynamics"].values.astype(float) - start
     windows = scalars["window"].values
-    growth = _matching(scalars, "growth_")
+    growth = _matching(scalars, "growth_") | rim_terms(scalars, "ice_volume")
     run = Budget(
         "ice_volume",
         "Ice volume",
@@ -201,6 +201,14 @@ def ice_volume_budgets(
         LIMITS["ice_volume_dynamics"],
     )
     return [run, dynamics]
+
+
+def rim_terms(scalars: xr.Dataset, quantity: str) -> dict[str, Array]:
+    """What the effect rims took out (negative) and let in, by side, where anything passed."""
+    left = _matching(scalars, f"export_{quantity}_")
+    came = _matching(scalars, f"inflow_{quantity}_")
+    terms = {f"export {side}": -amount for side, amount in left.items() if amount.any()}
+    return terms | {f"inflow {side}": amount for side, amount in came.items() if amount.any()}
 
 
 def exports_of(boundaries: xr.Dataset, name: str) -> dict[str, Array]:
@@ -235,7 +243,7 @@ def snow_volume_budget(scalars: xr.Dataset, volume: Array, exports: Mapping[str,
     """Snow volume of the run; see `ice_volume_budgets`."""
     terms = _matching(scalars, "snow_")
     named = {name: term for name, term in terms.items() if not name.startswith("volume_")}
-    named |= exports
+    named |= {**exports, **rim_terms(scalars, "snow_volume")}
     return Budget(
         "snow_volume",
         "Snow volume",
@@ -253,6 +261,8 @@ _STORED = {
     "water": ("Water in ice and snow", "kg"),
     "salt": ("Salt in the ice", "kg"),
     "pond": ("Water in melt ponds", "m3"),
+    "sea_heat": ("Heat of the mixed layer", "J"),
+    "sea_salt": ("Salt of the mixed layer", "kg"),
 }
 
 

@@ -180,9 +180,12 @@ def make_analytic(scene: Scene, window: int) -> xr.Dataset:
     return xr.Dataset(data, coords=coords, attrs=attrs)
 
 
+SEA_WEATHER = ("ocean_heat_flux", "sea_surface_temperature")
+
+
 def _weather(weather: Weather) -> dict[str, float]:
     same = ("air_temperature", "air_pressure", "shortwave_down", "longwave_down", "snowfall")
-    values = {name: float(getattr(weather, name)) for name in (*same, "ocean_heat_flux")}
+    values = {name: float(getattr(weather, name)) for name in (*same, *SEA_WEATHER)}
     return values | {"specific_humidity": humidity(weather)}
 
 

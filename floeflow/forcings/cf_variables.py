@@ -101,6 +101,17 @@ QUANTITIES: dict[str, Quantity] = {
         5.0e3,
         True,
     ),
+    "sea_surface_temperature": Quantity(
+        ("sea_surface_temperature", "sea_surface_foundation_temperature"),
+        ("sst", "tos", "analysed_sst"),
+        "K",
+        265.0,
+        315.0,
+        True,
+    ),
+    "sea_surface_salinity": Quantity(
+        ("sea_surface_salinity",), ("sss", "sos"), "1e-3", 0.0, 50.0, True
+    ),
 }
 
 

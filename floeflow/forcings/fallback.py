@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What stands in for quantities that no forcing file has: rest, cyclone, gyre, uniform weather.
+"""What stands in for quantities that no forcing file has: formulae, weather, a synthetic year.
 
-One function a stand-in, in the table `STAND_INS`: a climatology is one more entry.
+One function a stand-in, in the table `STAND_INS`.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
+from floeflow.forcings import climatology
 from floeflow.forcings.analytic import cyclone_wind, gyre_current, humidity
 from floeflow.scene.blocks import Scene
 
@@ -73,9 +74,16 @@ def _weather(scene: Scene, name: str, time: Array) -> Fields:
     return {name: np.full((time.size, grid.x.size * grid.y.size), value)}
 
 
+def _climatology(scene: Scene, name: str, time: Array) -> Fields:
+    """The synthetic year: of a vector both components, along the scene's axes."""
+    names = [f"{name}_u", f"{name}_v"] if name in ("wind", "ocean") else [name]
+    return climatology.scene_fields(scene, time, names)
+
+
 STAND_INS: dict[str, Callable[[Scene, str, Array], Fields]] = {
     "rest": _rest,
     "cyclone": _cyclone,
     "gyre": _gyre,
     "weather": _weather,
+    "climatology": _climatology,
 }

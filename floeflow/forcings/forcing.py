@@ -27,6 +27,7 @@ from floeflow.core.times import say, window_span
 from floeflow.forcings import cf_variables as names
 from floeflow.forcings import fallback
 from floeflow.forcings.accumulate import Rates
+from floeflow.forcings.climatology import window_forcing
 from floeflow.forcings.moisture import dew_point_humidity, snow_of_precipitation
 from floeflow.forcings.sources import Sources, find_sources, forcing_hints
 from floeflow.forcings.tracks import InputFile, Track, open_files
@@ -54,6 +55,7 @@ UNITS = {
     "longwave_down": "W m-2",
     "snowfall": "kg m-2 s-1",
     "ocean_heat_flux": "W m-2",
+    "sea_surface_temperature": "K",
 }
 
 
@@ -201,7 +203,8 @@ def make_forcing(
     scene : Scene
         Its domain, time, forcing and effects are read.
     source : str, Path or sequence of them
-        CF files, in the order in which they count.
+        CF files, in the order in which they count; not read where ``forcing.source`` is
+        climatology.
     window : int
         From 1.
 
@@ -217,6 +220,8 @@ def make_forcing(
     FloeError
         For what is missing, does not cover scene or window, or cannot be.
     """
+    if scene.forcing.source == "climatology":
+        return window_forcing(scene, window, UNITS)
     paths = [Path(source)] if isinstance(source, str | Path) else [Path(item) for item in source]
     span = window_span(window, scene.time.window)
     places = places_of(scene, span)

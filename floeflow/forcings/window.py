@@ -36,7 +36,7 @@ def window_forcing(scene: Scene, window: int, scratch: Path) -> xr.Dataset:
     FloeError
         For what is missing, does not cover scene or window, or cannot be.
     """
-    if scene.forcing.source == "file":
+    if scene.forcing.source != "analytic":
         return make_forcing(scene, user_files(scene), window)
     path = scratch / f"analytic_{window:04d}.nc"
     scratch.mkdir(parents=True, exist_ok=True)

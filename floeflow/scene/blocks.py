@@ -279,27 +279,48 @@ class Weather(Block):
     longwave_down: float = key(170.0, "Long-wave radiation.", "W/m2", ge=0, le=600)
     snowfall: float = key(2.0e-6, "Snowfall.", "kg/m2/s", ge=0, le=0.01)
     ocean_heat_flux: float = key(2.0, "Heat from the ocean to the ice.", "W/m2", ge=0, le=1000)
+    sea_surface_temperature: float = key(
+        271.35,
+        "Temperature to which the sea is drawn (effect sea_relaxation).",
+        "K",
+        ge=265,
+        le=310,
+    )
+
+
+class Climatology(Block):
+    """A synthetic year from monthly tables (read with source climatology)."""
+
+    seed: int = key(1, "Seed of the storms.", ge=0, lt=2**32)
+    storminess: float = key(1.0, "Factor of the number of storms; 0: none.", "1", ge=0, le=5)
+    temperature_offset: float = key(0.0, "Added to the air's temperature.", "K", ge=-30, le=30)
 
 
 class Fallback(Block):
     """What stands in for quantities that none of the forcing files has."""
 
-    wind: Literal["", "rest", "cyclone"] = key(
-        "", "Wind without a file: none, or the analytic cyclone; empty: refused."
+    wind: Literal["", "rest", "cyclone", "climatology"] = key(
+        "",
+        "Wind without a file: none, the analytic cyclone, or the synthetic year's; empty: refused.",
     )
-    ocean: Literal["", "rest", "gyre"] = key(
-        "", "Current without a file: none, or the analytic gyre; empty: refused."
+    ocean: Literal["", "rest", "gyre", "climatology"] = key(
+        "",
+        "Current without a file: none, the analytic gyre, or the synthetic year's; empty: refused.",
     )
-    weather: Literal["", "weather"] = key(
-        "", "Weather without a file: that of forcing.weather; empty: refused."
+    weather: Literal["", "weather", "climatology"] = key(
+        "",
+        "Weather and sea without a file: those of forcing.weather, or the synthetic year's; empty: "
+        "refused.",
     )
 
 
 class Forcing(Block):
     """Wind, current and weather: analytic, or from files of the user."""
 
-    source: Literal["analytic", "file"] = key(
-        "analytic", "Written from cyclone, gyre and weather, or read from file."
+    source: Literal["analytic", "file", "climatology"] = key(
+        "analytic",
+        "Written from cyclone, gyre and weather; read from file; or a synthetic year of monthly "
+        "tables and storms (docs/climatology.md).",
     )
     file: str = key("", "CF file with the forcing, path from the project's folder.")
     files: tuple[str, ...] = key(
@@ -322,10 +343,11 @@ class Forcing(Block):
         "Interval of sums over time: the hour up to a record (ERA5), the step between records, or "
         "the day so far (ERA5-Land); empty: hourly records, each of its hour.",
     )
-    step: float = key(21600.0, "Time between analytic fields.", "s", gt=0)
+    step: float = key(21600.0, "Time between fields that are not read from a file.", "s", gt=0)
     cyclone: Cyclone = key(Cyclone(), "Wind of the analytic forcing.")
     gyre: Gyre = key(Gyre(), "Current of the analytic forcing.")
     weather: Weather = key(Weather(), "Weather of the analytic forcing.")
+    climatology: Climatology = key(Climatology(), "The synthetic year.")
 
 
 class Time(Block):
@@ -466,6 +488,58 @@ class Column(Block):
     )
 
 
+class Sea(Block):
+    """The mixed layer on the scene's grid (read with the effect mixed_layer)."""
+
+    file: str = key(
+        "",
+        "NetCDF file with the sea's temperature and salinity at the start, path from the project's "
+        "folder; empty: mask.file.",
+    )
+    temperature: str = key(
+        "",
+        "Name of the sea surface temperature variable; empty: the only one with standard_name "
+        "sea_surface_temperature; where there is none the sea starts at its freezing point.",
+    )
+    salinity: str = key(
+        "",
+        "Name of the sea surface salinity variable; empty: the only one with standard_name "
+        "sea_surface_salinity, else column.ocean_salinity.",
+    )
+    salinity_time: float = key(
+        2.592e6,
+        "Time in which water from below renews the layer's salinity; 0: it does not.",
+        "s",
+        ge=0,
+    )
+    relaxation_time: float = key(
+        2.592e6,
+        "Time in which the layer is drawn to the given temperature (read with sea_relaxation).",
+        "s",
+        gt=0,
+    )
+
+
+class Rims(Block):
+    """The sides of the scene's rectangle (read with the effect rims)."""
+
+    inflow: tuple[Literal["left", "right", "bottom", "top"], ...] = key(
+        (), "Sides beyond which the ice of the mask goes on, and from which it flows in."
+    )
+
+
+class Gates(Block):
+    """Lines over which passing ice is counted (read with the effect gates)."""
+
+    names: tuple[PlainName, ...] = key((), "A name for each gate.")
+    lines: tuple[tuple[float, float, float, float], ...] = key(
+        (),
+        "Ends of each gate as [longitude, latitude, longitude, latitude]; what passes to the "
+        "right, as seen from the first end to the second, counts as positive.",
+        "degree",
+    )
+
+
 class Remap(Block):
     """When distorted elements are replaced by fresh ones (effect remap)."""
 
@@ -570,6 +644,9 @@ class Scene(Block):
     dynamics: Dynamics = key(Dynamics(), "Which mechanics.")
     walls: Walls = key(Walls(), "Which walls.")
     column: Column = key(Column(), "Which thermodynamics.")
+    sea: Sea = key(Sea(), "Which sea.")
+    rims: Rims = key(Rims(), "What happens at the sides of the rectangle.")
+    gates: Gates = key(Gates(), "Where passing ice is counted.")
     remap: Remap = key(Remap(), "When elements are remapped.")
     merge: Merge = key(Merge(), "When elements are merged.")
     state: State = key(State(), "How the state is kept.")

@@ -35,11 +35,17 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("effects: 'walls' is named but walls.rim, planes and mesh name none")
     if len(set(scene.walls.rim)) < len(scene.walls.rim):
         raise FloeError("walls.rim names a side twice")
+    if len(set(scene.gates.names)) < len(scene.gates.names):
+        raise FloeError("gates.names names a gate twice")
+    if len(scene.gates.names) != len(scene.gates.lines):
+        raise FloeError("gates.names and gates.lines must be as many")
+    if "gates" in scene.effects and not scene.gates.names:
+        raise FloeError("effects: 'gates' is named but gates.names names none")
     given = scene.forcing.file or scene.forcing.files
     if scene.forcing.source == "file" and not given:
         raise FloeError("forcing.source is 'file' but forcing.file and forcing.files name none")
-    if scene.forcing.source == "analytic" and given:
-        raise FloeError("forcing.file is given but forcing.source is 'analytic'")
+    if scene.forcing.source != "file" and given:
+        raise FloeError(f"forcing.file is given but forcing.source is '{scene.forcing.source}'")
     angle = type(scene.dynamics).model_fields["turning_angle"].default
     if scene.dynamics.turning_angle != angle and "turning_angle" not in scene.effects:
         raise FloeError("dynamics.turning_angle is given but effects does not name turning_angle")
@@ -114,7 +120,7 @@ def _check_times(scene: Scene) -> None:
     # Refuses what would be too many jobs.
     window_chunks(scene.time.windows, scene.workflow.windows_per_job)
     window = scene.time.window
-    if scene.forcing.source == "analytic":
+    if scene.forcing.source != "file":
         steps = window / scene.forcing.step
         if not math.isclose(steps, round(steps), rel_tol=1e-12) or round(steps) < 1:
             raise FloeError(

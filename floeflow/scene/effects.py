@@ -261,11 +261,19 @@ _REGISTERED = (
     ),
     Effect(
         name="mixed_layer",
-        physics="A slab of sea under each element stores heat: water cools before it freezes.",
+        physics="A mixed layer on the grid stores heat and salt: water cools before it freezes.",
         source="Hunke et al. 2015; Maykut & McPhee 1995",
         needs=("thermodynamics",),
         column=("mixed_layer",),
-        state=("sea_temperature", "pending_freeze"),
+        state=("sea_temperature", "pending_freeze", "sea_salinity", "deep_salinity"),
+        diagnostics=("sea_heat", "sea_salt"),
+    ),
+    Effect(
+        name="sea_relaxation",
+        physics="The mixed layer is drawn to a given sea surface temperature in a given time.",
+        source="Haney 1971",
+        needs=("mixed_layer",),
+        forcing=("sea_surface_temperature",),
     ),
     Effect(
         name="redistribution",
@@ -273,6 +281,18 @@ _REGISTERED = (
         source="Thorndike et al. 1975; Hibler 1980; Lipscomb et al. 2007",
         needs=("ridging", "thermodynamics"),
         column=("redistribution",),
+    ),
+    Effect(
+        name="rims",
+        physics="Ice that leaves the rectangle is exported, by side; ice flows in where asked.",
+        source="what the elements hold",
+        diagnostics=("export_ice_area", "export_ice_volume"),
+    ),
+    Effect(
+        name="gates",
+        physics="Area and volume of the ice that passes lines, such as Fram Strait.",
+        source="parts of discs beyond a line",
+        diagnostics=("gate_area", "gate_volume"),
     ),
     Effect(
         name="grid_output",
@@ -391,6 +411,9 @@ def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
     return _collect("diagnostics", names)
 
 
+# What a column knows of the mixed layer below it. In a run it comes from the sea on the scene's
+# grid, and goes back there.
+SEA_VARIABLES = ("sea_temperature", "pending_freeze")
 # Every column has these; its effects add the others.
 _COLUMN_STATE = ("ice_fraction", "ice_volume")
 
@@ -405,8 +428,10 @@ def column_processes(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def column_variables(names: Iterable[str], scheme: str) -> tuple[str, ...]:
-    """Variables of the state that a column reads and writes under these effects."""
-    return _COLUMN_STATE + state_variables(_column_effects(names), scheme)
+    """Variables that a column reads and writes under these effects; see `SEA_VARIABLES`."""
+    grid = EFFECTS["mixed_layer"].state
+    found = _COLUMN_STATE + state_variables(_column_effects(names), scheme)
+    return tuple(name for name in found if name not in grid or name in SEA_VARIABLES)
 
 
 def column_forcing_variables(names: Iterable[str]) -> tuple[str, ...]:

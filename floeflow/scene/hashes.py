@@ -20,7 +20,10 @@ from floeflow.scene.effects import forcing_variables
 FORCING_VARIABLES = "effects: forcing variables"
 STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "land": ("domain", "mask.refine", "mask.land"),
-    "mask": ("domain", "mask", "packing.generator", "time.start"),
+    "mask": (
+        *("domain", "mask", "packing.generator", "time.start", "effects.mixed_layer"),
+        *("sea.file", "sea.temperature", "sea.salinity"),
+    ),
     "packing": ("seed", "packing", "effects.coast"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
     "forcing": ("domain", "forcing", "time.start", "time.window", FORCING_VARIABLES),
@@ -47,7 +50,10 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "cure": ("remap", "merge", "packing.bond_gap"),
     # What is kept changes no result, so it is in no window's own hash.
     "keep": ("state.keep",),
-    "column": ("effects", "column", "time.window"),
+    "column": (
+        *("effects", "column", "time.window", "rims", "gates"),
+        *("sea.salinity_time", "sea.relaxation_time"),
+    ),
     "grid": ("domain", "effects", "time.start", "time.window", "grid"),
     "diagnostics": ("effects", "domain"),
     "trajectory": ("domain.x_min", "domain.x_max", "domain.y_min", "domain.y_max"),

@@ -88,6 +88,10 @@ def _layers(material: str, units: str, text: str, of: str, low: float, high: flo
     return Variable(dims, "float64", units, text, low, high, "intensive", of)
 
 
+def _sea(units: str, text: str, low: float, high: float = np.inf) -> Variable:
+    return Variable(("sea_y", "sea_x"), "float64", units, text, low, high)
+
+
 def _corner(text: str) -> Variable:
     return Variable(("corner",), "float64", "m", text)
 
@@ -157,14 +161,10 @@ VARIABLES: dict[str, Variable] = {
     "pond_lid": _column("m", "thickness of the ice on ponds", of="pond_area"),
     "lid_snow": _column("m", "snow on the ice less snow on lids", "ice_fraction", -20.0),
     "lid_share": _column("1", "share of the surface's heat that melted lids", of="ice_fraction"),
-    "sea_temperature": _element("K", "temperature of the mixed layer", 255, 330, of="area"),
-    "pending_freeze": _element(
-        "J m-2",
-        "heat that the mixed layer lacks and of which ice will be made",
-        0,
-        of="area",
-        per="area",
-    ),
+    "sea_temperature": _sea("K", "temperature of the mixed layer", 255, 330),
+    "pending_freeze": _sea("J m-2", "heat that it lacks and of which ice will be made", 0),
+    "sea_salinity": _sea("1e-3", "salinity of the mixed layer", 0, 60),
+    "deep_salinity": _sea("1e-3", "salinity of the water below it", 0, 60),
     "cell_corners": Variable(("element",), "int64", "1", "corners of the element's outline", 0),
     "drift_x": _element("m", "net displacement of the ice since the start", of="area"),
     "drift_y": _element("m", "net displacement of the ice since the start", of="area"),
@@ -217,7 +217,8 @@ VARIABLES: dict[str, Variable] = {
 # a stress near its tensile strength. Walls are places too. Areas and shares are parts of one whole,
 # the sea, and add up to it. What the sea's temperature tells is its difference from freezing.
 EXACT = (
-    *("x", "y", "area", "ice_fraction", "sea_temperature"),
+    *("x", "y", "area", "ice_fraction"),
+    *("sea_temperature", "pending_freeze", "sea_salinity", "deep_salinity"),
     *(name for name in VARIABLES if name.startswith("wall_face_")),
 )
 ROUNDED = tuple(n for n, rule in VARIABLES.items() if rule.dtype == "float64" and n not in EXACT)

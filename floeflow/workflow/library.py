@@ -14,7 +14,7 @@ import floeflow
 SHARED = ("core", "state")
 PACKAGES: dict[str, tuple[str, ...]] = {
     "land": ("masks",),
-    "mask": ("masks",),
+    "mask": ("masks", "coupling"),
     "packing": ("packings",),
     "cells": ("packings",),
     "bonds": ("packings",),

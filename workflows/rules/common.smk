@@ -58,6 +58,18 @@ def land_file(wildcards):
     return made("land", "preprocess/land.nc")(wildcards) if wanted else []
 
 
+def sea_mask(wildcards):
+    """The mask, in which the sea is, where the scene has a mixed layer or rims."""
+    wanted = {"mixed_layer", "rims"} & set(SCENES.scene(wildcards.scene).effects)
+    return made("mask", "preprocess/mask.nc")(wildcards) if wanted else []
+
+
+def sea_file(wildcards):
+    """File with the temperature of the sea, where it is not the mask's own."""
+    scene = SCENES.scene(wildcards.scene)
+    return scene.sea.file if "mixed_layer" in scene.effects and scene.sea.file else []
+
+
 def wall_mesh(wildcards):
     """Mesh of a wall, where the scene has one."""
     scene = SCENES.scene(wildcards.scene)

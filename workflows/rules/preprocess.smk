@@ -28,6 +28,7 @@ rule mask:
         scene=ancient(scene_file),
         source=mask_file,
         land=land_file,
+        sea=sea_file,
     output:
         mask="results/{scene}/preprocess/mask.nc",
     log:
@@ -141,6 +142,7 @@ rule initial:
         scene=ancient(scene_file),
         packing=made("packing", "preprocess/packing.nc"),
         bonds=made("bonds", "preprocess/bonds.nc", "bonds"),
+        mask=sea_mask,
         mesh=wall_mesh,
     output:
         state="results/{scene}/state/0000.nc",

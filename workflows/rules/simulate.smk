@@ -9,6 +9,7 @@ rule windows:
         forcing=user_forcing,
         plugin=SCENES.plugin,
         cells=made("cells", "preprocess/cells.nc", "remap"),
+        mask=sea_mask,
     output:
         state="results/{scene}/state/{chunk}.nc",
         series="results/{scene}/series/{chunk}.nc",

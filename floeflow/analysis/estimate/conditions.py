@@ -72,6 +72,8 @@ class Conditions:
         Of the sea under an element, and of the ice that open water makes, m.
     layered : bool
         Whether the ice has layers: its area then shrinks as it thins.
+    relaxation_time : float
+        In which the sea is drawn to a given temperature, s.
     """
 
     seconds: float
@@ -109,6 +111,7 @@ class Conditions:
     mixed_layer_depth: float
     new_ice_thickness: float
     layered: bool
+    relaxation_time: float
 
     @property
     def coriolis(self) -> float:
@@ -224,6 +227,7 @@ def conditions(scene: Scene) -> Conditions:
         mixed_layer_depth=scene.column.mixed_layer_depth,
         new_ice_thickness=scene.column.new_ice_thickness,
         layered=scene.column.scheme != "zero_layer",
+        relaxation_time=scene.sea.relaxation_time,
     )
 
 

@@ -203,6 +203,12 @@ def mixed_layer(c: Conditions) -> float:
     return _over(sea_uptake(c) * c.seconds, ICE_HEAT * max(change, 0.01 * start))
 
 
+@number_of("sea_relaxation")
+def sea_relaxation(c: Conditions) -> float:
+    """1 - exp(-T / τ): share of its way to the given temperature that the sea is drawn."""
+    return -math.expm1(-c.seconds / c.relaxation_time)
+
+
 @number_of("remap")
 def remap(c: Conditions) -> float:
     """N |∇u_a| T: shear of the pack over the run; elements are distorted at 1."""
@@ -213,6 +219,18 @@ def remap(c: Conditions) -> float:
 def merge(c: Conditions) -> float:
     """ε: share of the area that closes, which makes elements too small."""
     return c.closing
+
+
+@number_of("rims")
+def rims(c: Conditions) -> float:
+    """U T / L: drift over the width of the ice, which is what reaches a side."""
+    return _over(c.slip * c.seconds, c.fetch)
+
+
+@number_of("gates")
+def gates(c: Conditions) -> float:
+    """None: it changes no result; name it where ice that passes is to be counted."""
+    return math.nan
 
 
 @number_of("grid_output")

@@ -41,7 +41,7 @@ def wind_and_current(scene: Scene, weight: np.ndarray) -> dict[str, float]:
     from floeflow.core.grids import scene_grid
 
     spacing = scene.domain.spacing
-    if scene.forcing.source == "file":
+    if scene.forcing.source != "analytic":
         fields = _file_fields(scene, ("wind_u", "wind_v", "ocean_u", "ocean_v"))
         winds = list(zip(fields["wind_u"], fields["wind_v"], strict=True))
         currents = list(zip(fields["ocean_u"], fields["ocean_v"], strict=True))

@@ -17,10 +17,10 @@ import netCDF4
 import numpy as np
 
 from floeflow.column.params import Settings
-from floeflow.column.shortwave.sun import day_of_year, sun_height
 from floeflow.column.state import Array
 from floeflow.core import cf_reading as cf
 from floeflow.core.errors import FloeError
+from floeflow.core.sun import day_of_year, sun_height
 from floeflow.core.times import say, seconds_since
 from floeflow.forcings import cf_variables as names
 from floeflow.forcings.accumulate import rates

@@ -55,6 +55,10 @@ def put_together(state: xr.Dataset, elements: Arrays, corners: Array | None) -> 
         place = corner_rows(elements["cell_corners"], order)
         for k, axis in enumerate("xy"):
             data[f"corner_{axis}"] = (("corner",), corners[place, k])
+    # The sea lies on a grid of its own and is the same for any elements.
+    for name, rule in VARIABLES.items():
+        if rule.dims[0] == "sea_y" and name in state:
+            data[name] = (rule.dims, state[name].values)
     return xr.Dataset(data, attrs=dict(state.attrs))
 
 

@@ -12,7 +12,7 @@ import xarray as xr
 from floeflow.column.layered import LayeredState, pack_forcing
 from floeflow.column.physics import Physics
 from floeflow.column.records import Array
-from floeflow.column.shortwave.sun import sun_height
+from floeflow.core.sun import sun_height
 
 DT = 3600.0  # s
 LATITUDE = {"icefree": 90.0, "slab": 89.5, "itd": 89.0}  # of the initial states' cells

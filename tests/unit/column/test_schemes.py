@@ -12,9 +12,9 @@ import pytest
 from floeflow.column.initial_columns import first_columns, layer_temperatures
 from floeflow.column.params import Settings
 from floeflow.column.schemes import SCHEMES, advance_columns
-from floeflow.column.shortwave.sun import day_of_year, sun_height
 from floeflow.column.thickness.ridging_closure import close_columns
 from floeflow.column.zero_layer_run import column_forcing
+from floeflow.core.sun import day_of_year, sun_height
 from floeflow.scene.effects import EFFECTS, column_variables
 
 DAY = 86400.0

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Temperature and salinity of the sea at the scene's start, read to the mask grid."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from floeflow.core import cf_reading as cf
+from floeflow.core import fields, interpolate
+from floeflow.core.errors import FloeError
+from floeflow.core.grids import mask_grid, scene_crs, to_lonlat
+from floeflow.forcings import cf_variables as names
+from floeflow.masks.mask_file import nearest_time
+from floeflow.scene.blocks import Scene
+
+Array = NDArray[np.float64]
+
+log = logging.getLogger(__name__)
+
+SALT_UNITS = ("", "1e-3", "psu", "pss", "pss-78", "1", "0.001", "g kg-1", "g/kg", "ppt")
+# Name in the mask's file, quantity, key of the scene.
+SEA_FIELDS = (
+    ("sst", "sea_surface_temperature", "temperature"),
+    ("sss", "sea_surface_salinity", "salinity"),
+)
+
+
+def sea_path(scene: Scene) -> Path:
+    """File that holds the sea at the start."""
+    return Path(scene.sea.file or scene.mask.file)
+
+
+def find_sea(
+    variables: dict[str, cf.Variable], scene: Scene, quantity: str, key: str
+) -> cf.Variable | None:
+    """The variable of a quantity of the sea: the one asked for, else by standard name, or None.
+
+    Raises
+    ------
+    FloeError
+        Where the file has none of the name asked for, or several of the standard name.
+    """
+    path, asked = sea_path(scene), getattr(scene.sea, key)
+    if asked:
+        return cf.named(variables, asked, path, f"sea.{key}")
+    standard = names.QUANTITIES[quantity].standard[0]
+    found = cf.by_standard_name(variables, standard)
+    if len(found) > 1:
+        listed = ", ".join(item.name for item in found)
+        raise FloeError(
+            f"{path}: {listed} all have standard_name {standard}: name one in sea.{key}"
+        )
+    return found[0] if found else None
+
+
+def sea_fields(
+    scene: Scene, lon: Array, lat: Array
+) -> dict[str, tuple[tuple[str, str], Array, dict[str, str]]]:
+    """Fields of the sea at places, (rows, columns), in SI units; none that the file lacks.
+
+    They are ``sst`` (K) and ``sss`` (1e-3).
+
+    Off the file's grid, and further from known values than ``mask.fill_reach``, the sea is at its
+    freezing point: NaN is not known, and stays NaN.
+
+    Raises
+    ------
+    FloeError
+        For units that are not known, or values that cannot be.
+    """
+    path = sea_path(scene)
+    made = {}
+    with fields.open_file(path) as data:
+        variables = cf.variables_of(data)
+        for name, quantity, key in SEA_FIELDS:
+            variable = find_sea(variables, scene, quantity, key)
+            if variable is None:
+                log.info("%s holds no %s: see sea.%s", path, quantity.replace("_", " "), key)
+                continue
+            rule = names.QUANTITIES[quantity]
+            factor, offset = units_of(variable, rule.si, path)
+            layout = cf.layout(variables, variable, path)
+            source = fields.source_grid(variables, variable, layout, data, path)
+            index, _ = nearest_time(data, variables, layout, scene, path)
+            raw = fields.read_values(data, variable.name, layout, source, np.array([index]), path)
+            values = factor * raw[0] + offset
+            _check_range(values, variable, rule, path)
+            # What lies beyond the reach comes back as 0, which this makes no value that can be.
+            raised = values - rule.low + 1.0
+            filled = interpolate.fill_nearest(raised, source, scene.mask.fill_reach)
+            found = _to_places(filled, source, scene, lon, lat)
+            found = np.where(found >= 1.0 - 1e-9, found + rule.low - 1.0, np.nan)
+            attrs = {"units": rule.si, "standard_name": rule.standard[0]}
+            made[name] = (("y", "x"), found.reshape(lon.shape), attrs)
+    return made
+
+
+def units_of(variable: cf.Variable, si: str, path: Path) -> tuple[float, float]:
+    """Factor and offset to SI; salinity without units is in 1e-3, as all scales of it are.
+
+    Raises
+    ------
+    FloeError
+        For units that are not known.
+    """
+    if si == "1e-3" and variable.text("units").lower() in SALT_UNITS:
+        return 1.0, 0.0
+    return names.conversion(variable, si, path)
+
+
+def _check_range(values: Array, variable: cf.Variable, rule: names.Quantity, path: Path) -> None:
+    known = values[np.isfinite(values)]
+    if not known.size:
+        raise FloeError(f"{path}: variable '{variable.name}' has no value that is not missing")
+    if known.min() < rule.low or known.max() > rule.high:
+        raise FloeError(
+            f"{path}: '{variable.name}' reaches from {known.min():g} to {known.max():g} "
+            f"{rule.si}, outside {rule.low:g} to {rule.high:g}: check its units"
+        )
+
+
+def _to_places(
+    filled: Array, source: fields.AnySource, scene: Scene, lon: Array, lat: Array
+) -> Array:
+    """Bilinear at places; 0 off the file's grid."""
+    if isinstance(source, fields.Source):
+        weights = interpolate.weights(source, lon, lat)
+    else:
+        weights = interpolate.triangle_weights(source, scene_crs(scene.domain), lon, lat)
+    return np.where(weights.inside, weights.of(filled), 0.0)
+
+
+def with_sea(scene: Scene, mask: xr.Dataset) -> xr.Dataset:
+    """Mask with the sea's temperature and salinity at the start, where a file has them.
+
+    Raises
+    ------
+    FloeError
+        As `sea_fields`.
+    """
+    grid = mask_grid(scene.domain, scene.mask.refine)
+    lon, lat = to_lonlat(scene_crs(scene.domain), *grid.mesh())
+    return mask.assign(sea_fields(scene, lon, lat))
+
+
+def check_sea_file(scene: Scene) -> None:
+    """Refuse a file of the sea that the scene's mixed layer could not start from.
+
+    Raises
+    ------
+    FloeError
+        One sentence: no file, no NetCDF, no such variable, units unknown.
+    """
+    path = sea_path(scene)
+    with fields.open_file(path) as data:
+        variables = cf.variables_of(data)
+    for _, quantity, key in SEA_FIELDS:
+        variable = find_sea(variables, scene, quantity, key)
+        if variable is not None:
+            units_of(variable, names.QUANTITIES[quantity].si, path)
+            cf.layout(variables, variable, path)

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Which part of the sea each element stands on.
+
+An element deals out its area to the cells of the grid by hat functions of about its own width.
+Cells pull in proportion to their sea, and less where more area is dealt to them than they hold, so
+that a packed sea fills its cells and leaves no water between that is not there. What an element
+reads is the mean of the sea by these shares; what it gives back goes to the same cells in the same
+shares (the adjoint), so that nothing is lost on the way.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array, diags_array, vstack
+from scipy.spatial import cKDTree
+
+from floeflow.transfer import Grid
+from floeflow.transfer.weights import sparse
+
+Array = NDArray[np.float64]
+
+# Rounds in which full cells push area to their neighbours. What is left over in a cell then is
+# area of elements that overlap.
+ROUNDS = 60
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Shares of the cells in the elements' areas.
+
+    Parameters
+    ----------
+    matrix : scipy.sparse.csr_array
+        (n, cells): rows add up to 1.
+    sea : ndarray
+        Area of sea in the cells (m2), (cells,).
+    claimed : ndarray
+        Area of the elements in the cells (m2), (cells,).
+    """
+
+    matrix: csr_array
+    sea: Array
+    claimed: Array
+
+    @property
+    def open_area(self) -> Array:
+        """Sea that no element stands for (m2), (cells,)."""
+        return np.maximum(self.sea - self.claimed, 0.0)
+
+    def read(self, field: Array) -> Array:
+        """Mean of a field of the sea below the elements, (n,)."""
+        return np.asarray(self.matrix @ field)
+
+    def read_stock(self, stock: Array) -> Array:
+        """Mean of what there is of something (per m2 of sea), (n,).
+
+        Where elements overlap, more area is dealt to a cell than it has sea: they share its stock,
+        so that together they never see more than there is.
+        """
+        crowded = np.maximum(self.claimed, self.sea)
+        part = np.divide(self.sea, crowded, out=np.ones_like(crowded), where=crowded > 0.0)
+        return np.asarray(self.matrix @ (stock * part))
+
+    def give(self, amount: Array) -> Array:
+        """Amounts of the elements, (n,), in the cells, (cells,); their sums are the same."""
+        return np.asarray(self.matrix.T @ amount)
+
+
+def build_shares(x: Array, y: Array, area: Array, grid: Grid, sea: Array) -> Shares:
+    """Deal out the elements' areas to the cells of a grid.
+
+    Parameters
+    ----------
+    x, y, area : ndarray
+        Centres (m) and effective areas (m2) of the elements, (n,). One that stands on no cell with
+        sea is given to the nearest that has some.
+    grid : Grid
+        The scene's grid.
+    sea : ndarray
+        Area of sea in its cells (m2), (ny, nx); some of it above zero.
+    """
+    water = sea.ravel()
+    if not len(x):
+        none = csr_array((0, water.size))
+        return Shares(none, water, np.zeros(water.size))
+    hats = _hats(x, y, area, grid)
+    pull = water / water.max()
+    afloat = hats @ pull > 0.0
+    fixed = _nearest(x, y, afloat, grid, water)
+    across = csr_array(hats.T)
+    kept = csr_array(fixed.T) @ area
+    for _ in range(ROUNDS):
+        whole = hats @ pull
+        dealt = pull * (across @ np.divide(area, whole, out=np.zeros_like(area), where=afloat))
+        full = np.divide(dealt + kept, water, out=np.ones_like(dealt), where=water > 0.0)
+        if full.max(initial=0.0) <= 1.0 + 1e-6:
+            break
+        pull = pull / np.maximum(full, 1.0)
+    whole = hats @ pull
+    per = np.divide(1.0, whole, out=np.zeros_like(whole), where=afloat)
+    matrix = csr_array(diags_array(per) @ hats @ diags_array(pull) + fixed)
+    matrix.sort_indices()
+    return Shares(matrix, water, np.asarray(matrix.T @ area))
+
+
+def _hats(x: Array, y: Array, area: Array, grid: Grid) -> csr_array:
+    """Hat functions at the elements, each about as wide as its element, (n, cells)."""
+    # The nodes are centres of cells: within half a cell of the rim its values hold.
+    inner_x = np.clip(x, grid.x[0], grid.x[-1])
+    inner_y = np.clip(y, grid.y[0], grid.y[-1])
+    width = np.maximum(np.round(np.sqrt(area) / min(grid.spacing)), 1).astype(np.int64)
+    parts, rows = [], []
+    for reach in np.unique(width).tolist():
+        mine = np.flatnonzero(width == reach)
+        pairs = grid.pairs(inner_x[mine], inner_y[mine], reach)
+        parts.append(csr_array(sparse(pairs.start, pairs.element, pairs.hat, len(mine)).T))
+        rows.append(mine)
+    order = np.argsort(np.concatenate(rows))
+    return csr_array(csr_array(vstack(parts))[order])
+
+
+def _nearest(x: Array, y: Array, afloat: NDArray[np.bool_], grid: Grid, water: Array) -> csr_array:
+    """Whole shares of the nearest cells with sea for elements that find none, (n, cells)."""
+    lost, known = np.flatnonzero(~afloat), np.flatnonzero(water > 0.0)
+    cells = known[:0]
+    if len(lost):
+        places = np.stack(grid.places(), axis=1)[known]
+        cells = known[cKDTree(places).query(np.stack([x[lost], y[lost]], axis=1))[1]]
+    return csr_array((np.ones(len(lost)), (lost, cells)), shape=(len(x), water.size))
