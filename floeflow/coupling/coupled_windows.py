@@ -9,6 +9,7 @@ fault. The states go to the scene's work folder; publishing them is left to the 
 from __future__ import annotations
 
 import json
+import logging
 import sys
 import time
 import traceback
@@ -39,15 +40,19 @@ from floeflow.coupling.series import sea_change, series_dataset, volumes
 from floeflow.coupling.window_end import end_at_sea
 from floeflow.dynamics.bonds.stress_free_growth import keep_forces
 from floeflow.dynamics.motion import Motion, move
-from floeflow.dynamics.remesh.remesh import carry_drift, cure
+from floeflow.dynamics.remesh.remesh import cure
 from floeflow.forcings.window import window_forcing
 from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state, write_dataset, write_state
 from floeflow.state.cells import Cells, read_cells
 from floeflow.state.elements import pair_arrays, thin_bonds
+from floeflow.state.schema import MOBILE
 from floeflow.state.snapshots import join_snapshots
+from floeflow.state.walls import enclosed
 
 Report = Callable[..., None]
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -113,7 +118,7 @@ def advance_window(
             before = replace(before, state=settled, terms=add_terms(before.terms, terms))
     grown = volumes(before.state, "dynamics")
     motion = move(comm, scene, before.state, forcing, log, report)
-    state = carry_drift(before.state, motion.state)
+    state = motion.state
     if "gates" in scene.effects:
         budget |= gate_fluxes(before.state, state, gate_lines(scene))
     if "ridging" in scene.effects and places is not None:
@@ -151,12 +156,14 @@ def advance_window(
         budget |= sea_change(scene, first, state, places)
         n, seconds = state.sizes["element"], time.perf_counter() - began
         costs.append(Record("sea", n, comm.size, [seconds]))
-    if {"remap", "merge"} & set(scene.effects):
+    if {"remap", "merge", "ridging"} & set(scene.effects):
         began = time.perf_counter()
         state, terms = on_root(comm, cure, scene, state, cells)
         budget |= terms
         n, seconds = state.sizes["element"], time.perf_counter() - began
         costs.append(Record("remesh", n, comm.size, [seconds]))
+    if "coast" in scene.effects:
+        budget["coast_ashore"] = float(len(ashore(scene, state)))
     budget |= volumes(state, "end")
     series = series_dataset(motion, budget, start)
     return Advanced(state, series, costs, fluxes)
@@ -169,6 +176,18 @@ def _sums(motion: Motion, before: Grown, after: Grown) -> dict[str, np.ndarray]:
         for name in after.each
     }
     return {**motion.impulses, **terms}
+
+
+def ashore(scene: Scene, state: xr.Dataset) -> np.ndarray:
+    """Ids of the mobile elements whose centre lies on land: none, or the coast does not hold."""
+    mobile = state["type"].values == MOBILE
+    coast = len(scene.walls.names) if "walls" in scene.effects else 0
+    faces = pair_arrays(state, "wall_face")
+    inside = enclosed(faces, coast, state["x"].values[mobile], state["y"].values[mobile])
+    found = state["id"].values[mobile][inside]
+    if len(found):
+        log.warning("elements ashore: %s", ", ".join(str(i) for i in found[:20]))
+    return np.asarray(found)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from floeflow.coupling.sea.places import SeaPlaces
 from floeflow.coupling.sea.shares import build_shares
 from floeflow.dynamics.ridging.ridging import close_areas
 from floeflow.scene import Scene
+from floeflow.state.elements import pair_arrays
 from floeflow.state.schema import MOBILE
 
 # Shares smear areas over a cell or two; so much above the sea may be no more than that.
@@ -51,5 +52,11 @@ def close_crowded(
     if total > 0.0:
         least = scene.dynamics.minimum_thickness
         end = float(state.attrs["time"]) + scene.time.window
-        state = close_areas(state, closed, least, end)
+        # No contact has closed for it: discs shrink about their centres.
+        held = {
+            kind: pair_arrays(state, kind)
+            for kind in ("contact", "wall_contact")
+            if f"{kind}_ridge_closing" in state
+        }
+        state = close_areas(state, closed, least, held, end)
     return state, {"crowded_area": total}

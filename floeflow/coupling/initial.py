@@ -62,7 +62,8 @@ def make_state(
         made[f"corner_{axis}"] = packing[f"cell_{axis}"].values - np.repeat(
             packing[axis].values, corners
         )
-    made |= wall_variables(scene, packing) if "walls" in scene.effects else {}
+    walled = {"walls", "coast"} & set(scene.effects)
+    made |= wall_variables(scene, packing) if walled else {}
     sizes = {"element": packing.sizes["element"], "category": packing.sizes["category"]}
     sizes |= {"bond": 0 if bonds is None else bonds.sizes["bond"], "contact": 0}
     sizes |= {"ice_layer": scene.column.layers, "snow_layer": SNOW_LAYERS}

@@ -18,21 +18,23 @@ from floeflow.core.meshes import read_triangles
 from floeflow.scene.blocks import Scene
 from floeflow.state.bonds import Arrays
 from floeflow.state.schema import MOBILE
-from floeflow.state.walls import distances, join, lines, overlapping, plane
+from floeflow.state.walls import distances, join, lines, overlapping, plane, rings
 
 # Ice may overlap a wall at the start. But no centre may lie behind a plane, nor nearer than this
 # share of its radius to a line, which would push it to one side or the other.
 NEAREST = 0.25
 
 
-def make_walls(scene: Scene) -> Arrays:
-    """Faces of all walls that a scene names, in the order of `wall_names`.
+def make_walls(scene: Scene) -> list[Arrays]:
+    """Walls that a scene names, in the order of `wall_names`.
 
     Raises
     ------
     FloeError
         If there is none, or one is impossible; names the key.
     """
+    if "walls" not in scene.effects:
+        return []
     keys, domain = scene.walls, scene.domain
     places = {
         "left": (domain.x_min, domain.y_min, (1.0, 0.0)),
@@ -49,7 +51,7 @@ def make_walls(scene: Scene) -> Arrays:
     if keys.mesh:
         ends = cut(*read_triangles(Path(keys.mesh)), keys.mesh)
         walls.append(lines(ends, keys.mesh_velocity, f"{keys.mesh}: the mesh"))
-    return join(walls)
+    return walls
 
 
 def cut(points: NDArray[np.float64], triangles: NDArray[np.int64], name: str) -> np.ndarray:
@@ -97,6 +99,8 @@ def cut(points: NDArray[np.float64], triangles: NDArray[np.int64], name: str) ->
 def wall_variables(scene: Scene, packing: xr.Dataset) -> Arrays:
     """Variables of state 0: faces, and contacts of the elements that overlap one at the start.
 
+    The last wall is the coast, where there is one.
+
     Parameters
     ----------
     scene : Scene
@@ -109,10 +113,15 @@ def wall_variables(scene: Scene, packing: xr.Dataset) -> Arrays:
     FloeError
         If a wall stands in the ice; names it, and the element.
     """
-    faces = make_walls(scene)
+    walls = make_walls(scene)
     mobile = packing["type"].values == MOBILE
     ice = {name: packing[name].values[mobile] for name in ("id", "x", "y", "radius")}
-    _check_clear(faces, ice, scene.walls.names)
+    if walls:
+        _check_clear(join(walls), ice, scene.walls.names)
+    if "coast" in scene.effects:
+        corner = np.column_stack([packing["coast_x"].values, packing["coast_y"].values])
+        walls.append(rings(packing["coast_start"].values, corner))
+    faces = join(walls)
     contacts = overlapping(faces, ice)
     out = {f"wall_face_{name}": values for name, values in faces.items()}
     return out | {f"wall_contact_{name}": values for name, values in contacts.items()}

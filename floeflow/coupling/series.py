@@ -69,6 +69,7 @@ PREFIX_UNITS = {
     "crowded_area": "m2",
     "gate_area_": "m2",
     "gate_volume_": "m3",
+    "coast_": "1",
 }
 
 

@@ -23,7 +23,13 @@ from floeflow.dynamics.ridging.ridging import close_areas
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.scene import Scene
 from floeflow.scene.effects import plugin_switches
-from floeflow.state.elements import Arrays, element_arrays, moved_state, pair_arrays
+from floeflow.state.elements import (
+    Arrays,
+    carry_drift,
+    element_arrays,
+    moved_state,
+    pair_arrays,
+)
 from floeflow.state.schema import MOBILE
 
 Report = Callable[..., None]
@@ -79,21 +85,69 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
         ocean_stress_factor=SEAWATER_DENSITY * d.ocean_drag,
         turning_angle=math.radians(d.turning_angle) if turned else 0.0,
         relative_wind=d.relative_wind,
+        # The lines of the coast hold the ice; its elements only bond.
+        fixed_contacts="coast" not in scene.effects or scene.packing.coast_bonds,
+        walls=bool({"walls", "coast"} & set(scene.effects)),
         deterministic=d.deterministic,
         exact_losses=d.exact_losses,
     )
 
 
-def choose_step(scene: Scene, elements: Arrays, bonds: Arrays | None) -> tuple[float, int, str]:
+def choose_step(
+    scene: Scene, elements: Arrays, bonds: Arrays | None, way: float = math.inf
+) -> tuple[float, int, str]:
     """Time step, number of steps between two samples, and what limits the step.
 
     The step is the scene's share of the critical one, shortened so that a whole number of equal
     steps lies between two samples of the series.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    elements, bonds : dict of ndarray
+        As `Engine.load` takes them.
+    way : float
+        By how much elements may come nearer to each other in the window, m (`nearing`).
     """
-    critical, limited_by = critical_step(elements, bonds, engine_params(scene))
+    critical, limited_by = critical_step(elements, bonds, engine_params(scene), way)
     between = scene.time.window / scene.dynamics.samples
     steps = max(1, math.ceil(between / (scene.dynamics.step_share * critical)))
     return between / steps, steps, limited_by
+
+
+def nearing(scene: Scene, elements: Arrays, forcing: xr.Dataset) -> float:
+    """By how much two elements may come nearer to each other in a window, m.
+
+    Ice that nothing hinders drifts with the water and a share of the wind, the root of the drags'
+    ratio; contacts only slow it. Without a drag that bounds its speed: infinite.
+    """
+    params = engine_params(scene)
+    if not params.ocean_drag or params.ocean_stress_factor == 0.0:
+        return math.inf
+    speeds = {
+        kind: float(np.hypot(forcing[f"{kind}_u"].values, forcing[f"{kind}_v"].values).max())
+        for kind, there in (("ocean", True), ("wind", params.wind))
+        if there
+    }
+    ratio = math.sqrt(params.wind_stress_factor / params.ocean_stress_factor)
+    drift = speeds["ocean"] + ratio * speeds.get("wind", 0.0)
+    now = float(np.hypot(elements["u"], elements["v"]).max(initial=0.0))
+    return 2.0 * max(drift, now) * scene.time.window
+
+
+def wall_faces(state: xr.Dataset) -> Arrays | None:
+    """Faces of a state's walls and coast; None where it has none."""
+    if "wall_face_ax" not in state or state.sizes["wall_face"] == 0:
+        return None
+    return pair_arrays(state, "wall_face")
+
+
+def without_fixed(elements: Arrays, contacts: Arrays) -> Arrays:
+    """Contacts among mobile elements only."""
+    fixed = elements["id"][elements["type"] != MOBILE]
+    both = ~(np.isin(contacts["id_lo"], fixed) | np.isin(contacts["id_hi"], fixed))
+    return {name: values[both] for name, values in contacts.items()}
 
 
 def engine_forcing(forcing: xr.Dataset, needed: tuple[str, ...]) -> Forcing:
@@ -136,16 +190,18 @@ def move(
         return _still(scene, state)
     bonds = pair_arrays(state, "bond") if "bonds" in scene.effects else None
     # On one rank: eigenvalues from unlike processors may differ in their last bit.
-    step, between, limited_by = on_root(comm, choose_step, scene, elements, bonds)
+    way = nearing(scene, elements, forcing)
+    step, between, limited_by = on_root(comm, choose_step, scene, elements, bonds, way)
     params = engine_params(scene, step)
     motion = Motion(state, between * scene.dynamics.samples, step, limited_by)
     log.parent.mkdir(parents=True, exist_ok=True)
+    held = pair_arrays(state, "wall_contact") if "wall_contact_id" in state else None
+    faces = wall_faces(state)
     walled = "walls" in scene.effects
-    faces, held = (
-        pair_arrays(state, f"wall_{kind}") if walled else None for kind in ("face", "contact")
-    )
     with Engine(comm, params, log, faces) as engine:
         contacts = rest_overlaps(elements, bonds, pair_arrays(state, "contact"))
+        if not params.fixed_contacts:
+            contacts = without_fixed(elements, contacts)
         start = float(state.attrs["time"])
         engine.load(elements, bonds, contacts, start, held)
         if params.external:
@@ -169,11 +225,12 @@ def move(
             report(step=k * between, steps=motion.steps, elements=n, dynamics_seconds=seconds)
         motion.seconds = time.perf_counter() - began
         motion.cpu_seconds = comm.allreduce(time.process_time() - used)
-        motion.budget = _budget(scene, first, sums)
+        by_wall = engine.wall_forces()[0] if faces is not None else np.zeros((0, 2))
+        motion.budget = _budget(scene, first, sums, by_wall)
         left = engine.bonds() if bonds is not None else None
         moved = engine.elements()
-        walls = engine.wall_contacts() if walled else None
-        motion.state = moved_state(state, moved, left, engine.contacts(), walls)
+        walls = engine.wall_contacts() if faces is not None else held
+        motion.state = carry_drift(state, moved_state(state, moved, left, engine.contacts(), walls))
     mobile = moved["type"] == MOBILE
     switched = {"wind": params.wind, "ocean": params.ocean_drag}
     motion.impulses = {
@@ -185,7 +242,8 @@ def move(
     if params.ridging:
         ridged = moved["ridged_area"]
         least, end = scene.dynamics.minimum_thickness, start + scene.time.window
-        motion.state = close_areas(motion.state, ridged, least, end)
+        tables = {"contact": contacts} | ({"wall_contact": held} if held is not None else {})
+        motion.state = close_areas(motion.state, ridged, least, tables, end)
         motion.budget["ridged_area"] = float(ridged.sum())
     return motion
 
@@ -217,24 +275,32 @@ def _sample_walls(motion: Motion, scene: Scene, engine: Engine, seconds: float) 
     impulse, now = engine.wall_forces()
     force = (impulse - motion.wall_impulse) / seconds if seconds else now
     motion.wall_impulse = impulse
-    for name, each in zip(scene.walls.names, force, strict=True):
+    # The coast, where there is one, is the last.
+    for name, each in zip(scene.walls.names, force, strict=False):
         for axis, value in zip("xy", each, strict=True):
             motion.samples.setdefault(f"wall_force_{name}_{axis}", []).append(-float(value))
 
 
-def _budget(scene: Scene, first: dict[str, float], last: dict[str, float]) -> dict[str, float]:
-    """Momentum, impulses, works and dissipations of a window, by the series' names."""
+def _budget(
+    scene: Scene, first: dict[str, float], last: dict[str, float], by_wall: np.ndarray
+) -> dict[str, float]:
+    """Momentum, impulses, works and dissipations of a window, by the series' names.
+
+    ``by_wall`` are the impulses of the walls on the ice (N s), (walls, 2), the coast's the last.
+    """
+    named = len(scene.walls.names) if "walls" in scene.effects else 0
+    coast = by_wall[named:].sum(axis=0)
     on = engine_params(scene)
     switched = dict(zip(_IMPULSES, (on.wind, on.ocean_drag, on.coriolis, on.tilt), strict=True))
     kept = [name for name, is_on in switched.items() if is_on]
     budget = {}
-    for axis in "xy":
+    for axis, by_coast in zip("xy", coast, strict=True):
         budget[f"momentum_{axis}_start"] = first[f"momentum_{axis}"]
         budget[f"momentum_{axis}_end"] = last[f"momentum_{axis}"]
         if "coast" in scene.effects:
-            budget[f"impulse_coast_{axis}"] = -last[f"impulse_fixed_{axis}"]
+            budget[f"impulse_coast_{axis}"] = float(by_coast) - last[f"impulse_fixed_{axis}"]
         if "walls" in scene.effects:
-            budget[f"impulse_wall_{axis}"] = last[f"impulse_wall_{axis}"]
+            budget[f"impulse_wall_{axis}"] = last[f"impulse_wall_{axis}"] - float(by_coast)
         for name in kept:
             budget[f"impulse_{name}_{axis}"] = last[f"impulse_{name}_{axis}"]
     for name in kept:
@@ -259,7 +325,7 @@ def _still(scene: Scene, state: xr.Dataset) -> Motion:
     moments = np.linspace(0.0, scene.time.window, scene.dynamics.samples + 1)
     samples = {"time": moments.tolist()} | {name: [0.0] * len(moments) for name in names}
     nothing: dict[str, float] = defaultdict(float)
-    budget = _budget(scene, nothing, nothing)
+    budget = _budget(scene, nothing, nothing, np.zeros((0, 2)))
     if "ridging" in scene.effects:
         budget["ridged_area"] = 0.0
     return Motion(state, samples=samples, budget=budget)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floeflow.core.grids import Grid
 from floeflow.packings import points
+from floeflow.packings.coastline import coastline
 from floeflow.state.schema import COAST, MOBILE
 
 Array = NDArray[np.float64]
@@ -117,6 +118,7 @@ def packing_dataset(mask: xr.Dataset, elements: Elements) -> xr.Dataset:
     ocean = float(mask["cell_area"].values[mask["land"].values == 0].sum())
     unclaimed = ocean - float(elements.area.sum())
     start, ring = _rings(elements.polygons, count)
+    coast_start, coast_ring = coastline(grid_of(mask), mask["land"].values > 0)
     data: dict[str, NDArray[Any]] = {
         "id": np.arange(1, count + 1, dtype=np.int64),
         "type": np.where(np.arange(count) < mobile, MOBILE, COAST).astype(np.int8),
@@ -148,6 +150,8 @@ def packing_dataset(mask: xr.Dataset, elements: Elements) -> xr.Dataset:
         | {name: (("element", "category"), values) for name, values in columns.items()}
         | {"cell_start": ("element_bound", start)}
         | {"cell_x": ("vertex", ring[:, 0]), "cell_y": ("vertex", ring[:, 1])}
-        | {name: ("edge", values) for name, values in edges.items()},
+        | {name: ("edge", values) for name, values in edges.items()}
+        | {"coast_start": ("coast_bound", coast_start)}
+        | {f"coast_{a}": ("coast_corner", coast_ring[:, k]) for k, a in enumerate("xy")},
         attrs=attrs,
     )

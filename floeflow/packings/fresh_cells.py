@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 
 from floeflow.core.grids import Grid
 from floeflow.packings import discs, points, tessellation
+from floeflow.packings.coastline import CLEARANCE, off_shore
 from floeflow.packings.elements import grid_of, ordered
 from floeflow.state.cells import rings_of
 from floeflow.state.schema import MOBILE
@@ -105,6 +106,9 @@ def make_cells(mask: xr.Dataset, packing: xr.Dataset, seed: int) -> xr.Dataset:
         return _dataset(np.empty(0, dtype=np.int64), np.empty((0, 2)), none, none, None)
     mean_radius = grid.spacing * float(np.sqrt(ice.sum() / mobile.sum() / np.pi))
     places, radius = water_discs(grid, sea & ~ice, fixed, fixed_radius, mean_radius, seed)
+    shore = np.column_stack([packing["coast_x"].values, packing["coast_y"].values])
+    clearance = CLEARANCE * mean_radius
+    places = off_shore(places, packing["coast_start"].values, shore, clearance)
     ids = packing["id"].values
     ids = np.append(ids[mobile], ids[-1] + 1 + np.arange(len(places)))
     places = np.concatenate([fixed[mobile], places])

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from floeflow.core.grids import Grid
 from floeflow.packings import discs, points, tessellation
+from floeflow.packings.coastline import CLEARANCE, coastline, off_shore
 from floeflow.packings.dense import Compactor, dense_discs
 from floeflow.packings.elements import (
     Elements,
@@ -162,6 +163,9 @@ def tessellated(mask: xr.Dataset, packing: Packing, seed: int, coast_effect: boo
         coast = ordered(grid, coast)
     clear = np.full(len(coast), 0.5 * side)
     places, cells, own = place(grid, ice, packing, size, seed, (coast, clear))
+    if coast_effect:
+        clearance = CLEARANCE * float(mean[ice].mean())
+        places = off_shore(places, *coastline(grid, land), clearance)
     # Cells of unlike elements have no bound that follows from those of like ones.
     least, most = (0.25, discs.MOST_RADII) if packing.size.spread == 0 else (0.1, 3.0)
     largest = np.clip(np.sqrt(cells / np.pi), least * own, most * own)

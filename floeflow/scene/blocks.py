@@ -17,9 +17,11 @@ from pydantic import (
     PrivateAttr,
     StringConstraints,
     WithJsonSchema,
+    model_validator,
 )
 
 from floeflow.scene.effects import EFFECTS
+from floeflow.scene.softness import softened
 
 # A plus sign stands in the names of studies' variants, which no user gives.
 PlainName = Annotated[
@@ -35,10 +37,14 @@ EffectNames = Annotated[
 ]
 
 
-def key(default: Any, text: str, unit: str = "", **bounds: Any) -> Any:
-    """Declare a key: its default, one line of help, its unit, its bounds."""
-    extra: dict[str, Any] | None = {"unit": unit} if unit else None
-    return Field(default, description=text, json_schema_extra=extra, **bounds)
+def key(default: Any, text: str, unit: str = "", derived: bool = False, **bounds: Any) -> Any:
+    """Declare a key: its default, one line of help, its unit, its bounds.
+
+    A derived one follows from other keys where it is not named.
+    """
+    extra: dict[str, Any] = {"unit": unit} if unit else {}
+    extra |= {"derived": True} if derived else {}
+    return Field(default, description=text, json_schema_extra=extra or None, **bounds)
 
 
 # No projection of the earth reaches further (m); no path or paragraph is longer.
@@ -365,9 +371,30 @@ class Dynamics(Block):
     allow_unstable_step: bool = key(
         False, "Allow a step_share above 1, at which ice may blow up; the run warns."
     )
-    young_modulus: float = key(1.0e9, "Young's modulus of the ice in bonds.", "Pa", ge=1e3, le=1e12)
+    stiffness: Literal["auto", "full"] = key(
+        "auto",
+        "auto: moduli that are not named are as low as they may be (docs/theory/contact.md); full: "
+        "those of sea ice.",
+    )
+    young_modulus: float = key(
+        1.5e7,
+        "Young's modulus of the ice in bonds; where not named: auto 150 times the compressive "
+        "strength, full 1e9.",
+        "Pa",
+        derived=True,
+        ge=1e3,
+        le=1e12,
+    )
     poisson_ratio: float = key(0.3, "Poisson's ratio of the ice.", "1", ge=0, lt=0.5)
-    contact_modulus: float = key(1.0e8, "Modulus of unbonded contact.", "Pa", ge=1e3, le=1e12)
+    contact_modulus: float = key(
+        2.0e7,
+        "Modulus of unbonded contact; where not named: auto 200 times the compressive strength, "
+        "full 1e8.",
+        "Pa",
+        derived=True,
+        ge=1e3,
+        le=1e12,
+    )
     friction_coefficient: float = key(0.3, "Coulomb friction of ice on ice.", "1", ge=0, le=2)
     contact_damping: float = key(
         0.3, "Damping of unbonded contact, as a share of critical.", "1", ge=0, le=2
@@ -421,6 +448,11 @@ class Dynamics(Block):
         False, "Losses of damping to second order in the step, for energy budgets, at some cost."
     )
     samples: int = key(24, "Samples of the time series in a window.", ge=1, le=10_000)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _soften(cls, data: Any) -> Any:
+        return softened(data) if isinstance(data, dict) else data
 
 
 Velocity = tuple[float, float]

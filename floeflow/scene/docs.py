@@ -53,6 +53,7 @@ class Key:
     unit: str
     allowed: str
     text: str
+    derived: bool = False
 
 
 def keys(model: type[BaseModel] = Scene, prefix: str = "") -> Iterator[Key]:
@@ -65,9 +66,8 @@ def keys(model: type[BaseModel] = Scene, prefix: str = "") -> Iterator[Key]:
         extra = info.json_schema_extra
         unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
         default = None if info.is_required() else info.default
-        yield Key(
-            f"{prefix}{name}", _kind(info), default, unit, _allowed(info), info.description or ""
-        )
+        text, derived = info.description or "", isinstance(extra, dict) and "derived" in extra
+        yield Key(f"{prefix}{name}", _kind(info), default, unit, _allowed(info), text, derived)
 
 
 def _kind(info: FieldInfo) -> str:
@@ -144,7 +144,8 @@ def default_yaml() -> str:
         lines.append(f"{pad}# {key.text}" + (f" {notes}" if notes else ""))
         name = key.path.rpartition(".")[2]
         value = "my_scene" if key.default is None else _yaml_value(key.default)
-        lines.append(f"{pad}{name}: {value}")
+        # What follows from other keys where it is not named must not be named by a copy of this.
+        lines.append(f"{pad}{'# ' if key.derived else ''}{name}: {value}")
     return "\n".join(lines) + "\n"
 
 

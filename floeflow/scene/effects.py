@@ -167,9 +167,11 @@ _REGISTERED = (
     ),
     Effect(
         name="coast",
-        physics="Fixed elements along the land, which push back and rub.",
-        source="Turner et al. 2022",
-        diagnostics=("impulse_coast",),
+        physics="Closed lines around the land, which push back, rub and let no ice pass.",
+        source="The contact laws against a rigid partner",
+        state=_WALL_STATE,
+        with_state=(("ridging", tuple(f"wall_{name}" for name in _RIDGE_STATE)),),
+        diagnostics=("impulse_coast", "coast_ashore"),
     ),
     Effect(
         name="ridging",
@@ -177,7 +179,7 @@ _REGISTERED = (
         source="Hopkins 1994, 1996; Turner et al. 2022",
         plugin=("ridging",),
         state=_RIDGE_STATE,
-        diagnostics=("ridged_area",),
+        diagnostics=("ridged_area", "merge_elements"),
     ),
     Effect(
         name="refreeze",
@@ -311,7 +313,7 @@ _REGISTERED = (
         name="remap",
         physics="Distorted elements are replaced by fresh ones that hold the same, conservatively.",
         source="Turner et al. 2022, GMD 15, 1953; Zalesak 1979; Levine & Peres 2009",
-        excludes=("merge", "walls"),
+        excludes=("walls",),
         state=("cell_corners", "corner_x", "corner_y", "drift_x", "drift_y"),
         diagnostics=("remap_done", "remap_overlap"),
         rules=("cells",),
@@ -320,7 +322,6 @@ _REGISTERED = (
         name="merge",
         physics="Elements that became too small join their largest neighbour.",
         source="Turner et al. 2018 (DEMSI)",
-        excludes=("remap",),
         diagnostics=("merge_elements",),
     ),
 )

@@ -111,6 +111,17 @@ def moved_state(
     return moved
 
 
+def carry_drift(before: xr.Dataset, after: xr.Dataset) -> xr.Dataset:
+    """State after a motion, in whose net displacement that motion is counted.
+
+    Fresh elements begin where their cells are, so positions alone do not tell how far ice went.
+    """
+    if "drift_x" not in before:
+        return after
+    gone = {f"drift_{a}": before[f"drift_{a}"] + (after[a] - before[a]) for a in ("x", "y")}
+    return after.assign(gone)
+
+
 def thin_bonds(state: xr.Dataset) -> xr.Dataset:
     """Let bonds be no thicker than the ice beside them: melt weakens, growth does not heal.
 

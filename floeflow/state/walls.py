@@ -4,12 +4,13 @@
 A plane has no ends and ice on its left side only, as one looks from a to b. A line has two ends
 and two sides; where it meets another line of its wall, each knows the other, so that ice is pushed
 once by a corner and slides from line to line. All faces of a wall move at its constant velocity,
-from where they are at time 0. NumPy only: preprocessing, engine and tests share it.
+from where they are at time 0. Preprocessing, engine and tests share it.
 """
 
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
 from floeflow.core.errors import FloeError
 from floeflow.state.bonds import Arrays
@@ -17,6 +18,10 @@ from floeflow.state.bonds import Arrays
 # Columns of a face, and of a contact with one, in the plugin's order (liggghts_models/capi/capi.h).
 FACE_NUMBERS = ("wall", "plane", "before", "after")
 FACE_COLUMNS = ("ax", "ay", "bx", "by", "u", "v")
+
+# Share of its radius that keeps an element from walls: a little more than the share that ridges
+# against a wall do not take (`core_share` in wall_law.cpp).
+LEAST_CLEARANCE = 0.35
 
 Velocity = tuple[float, float]
 
@@ -78,6 +83,41 @@ def lines(ends: np.ndarray, velocity: Velocity = (0.0, 0.0), name: str = "The wa
     return out
 
 
+def rings(start: np.ndarray, corner: np.ndarray) -> Arrays:
+    """Wall that stands still, of closed rings: starts (k + 1,) and corners (c, 2) in metres.
+
+    Rings may touch each other: each line knows those of its own ring only.
+    """
+    count = len(corner)
+    first = np.repeat(start[:-1], np.diff(start))
+    last = np.repeat(start[1:], np.diff(start)) - 1
+    row = np.arange(count)
+    after = np.where(row == last, first, row + 1)
+    out = _faces(np.stack([corner, corner[after]], axis=1), (0.0, 0.0), False)
+    out["after"] = after
+    out["before"] = np.where(row == first, last, row - 1)
+    return out
+
+
+def enclosed(faces: Arrays, wall: int, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Whether points (n,) lie inside of the closed rings of a wall, as of the coast around land."""
+    rows = np.flatnonzero(faces["wall"] == wall)
+    corners = np.column_stack([faces["ax"], faces["ay"]])[rows]
+    if not len(rows):
+        return np.zeros(len(x), dtype=bool)
+    # A ring ends where a face is followed by an earlier one.
+    last = faces["after"][rows] < rows
+    ring = np.concatenate([[0], np.cumsum(last)[:-1]])
+    inside = np.zeros(len(x), dtype=bool)
+    points = shapely.points(x, y)
+    # Water inside of land is a ring within a ring.
+    rings_of_it = np.asarray(shapely.linearrings(corners, indices=ring), dtype=object)
+    for polygon in (shapely.Polygon(each) for each in rings_of_it.ravel()):
+        shapely.prepare(polygon)
+        inside ^= shapely.contains(polygon, points)
+    return inside
+
+
 def join(walls: list[Arrays]) -> Arrays:
     """Faces of all walls, numbered in their order."""
     out: dict[str, list[np.ndarray]] = {name: [] for name in (*FACE_NUMBERS, *FACE_COLUMNS)}
@@ -107,6 +147,73 @@ def distances(faces: Arrays, x: np.ndarray, y: np.ndarray, time: float = 0.0) ->
     return np.asarray(np.where(faces["plane"] != 0, height, away))
 
 
+def nearest_points(faces: Arrays, place: np.ndarray, time: float = 0.0) -> np.ndarray:
+    """Points (m) of faces, one for each place (n, 2), that are nearest to it at a time (s)."""
+    start = np.column_stack([faces["ax"] + faces["u"] * time, faces["ay"] + faces["v"] * time])
+    along = np.column_stack([faces["bx"] - faces["ax"], faces["by"] - faces["ay"]])
+    share = ((place - start) * along).sum(axis=1) / (along**2).sum(axis=1)
+    share = np.where(faces["plane"] != 0, share, np.clip(share, 0.0, 1.0))
+    return np.asarray(start + share[:, None] * along)
+
+
+def clearance(faces: Arrays, x: np.ndarray, y: np.ndarray, time: float = 0.0) -> np.ndarray:
+    """Distance (m) of each point (n,) from the nearest face; infinite where there is none."""
+    planes, lined = (np.flatnonzero(faces["plane"] == kind) for kind in (1, 0))
+    out = np.full(len(x), np.inf)
+    if len(planes):
+        some = {name: values[planes] for name, values in faces.items()}
+        out = distances(some, x[:, None], y[:, None], time).min(axis=1, initial=np.inf)
+    if len(lined) and len(x):
+        tree = shapely.STRtree(_segments(faces, lined, time))
+        found, far = tree.query_nearest(
+            shapely.points(x, y), return_distance=True, all_matches=False
+        )
+        np.minimum.at(out, found[0], far)
+    return out
+
+
+def _segments(faces: Arrays, rows: np.ndarray, time: float) -> np.ndarray:
+    """Lines of some faces at a time (s)."""
+    ends = [
+        np.column_stack(
+            [faces[f"{end}x"] + faces["u"] * time, faces[f"{end}y"] + faces["v"] * time]
+        )
+        for end in "ab"
+    ]
+    return np.asarray(shapely.linestrings(np.stack(ends, axis=1)[rows]))
+
+
+def crossed(faces: Arrays, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Whether the way between two points, (n, 2) each, crosses a face that stands still, (n,)."""
+    out = np.zeros(len(start), dtype=bool)
+    moved = np.flatnonzero((start != end).any(axis=1))
+    if len(faces["ax"]) == 0:
+        return out
+    a = np.column_stack([faces["ax"], faces["ay"]])
+    along = np.column_stack([faces["bx"], faces["by"]]) - a
+    for row in moved:
+        way = end[row] - start[row]
+        to_start, to_end = start[row] - a, end[row] - a
+        side = _cross(along, to_start) * _cross(along, to_end) <= 0.0
+        ends = _cross(way, a - start[row]) * _cross(way, a + along - start[row]) <= 0.0
+        out[row] = bool((side & ends).any())
+    return out
+
+
+def unsafe(faces: Arrays, start: np.ndarray, end: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Whether elements that are moved, (n, 2), would lie behind a face or too near to it, (n,).
+
+    Too near is nearer than before and than the share of the radius that no ridge takes.
+    """
+    old, new = (clearance(faces, at[:, 0], at[:, 1]) for at in (start, end))
+    near = new < np.minimum(old, LEAST_CLEARANCE * radius)
+    return np.asarray(near | crossed(faces, start, end))
+
+
+def _cross(one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    return np.asarray(one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0])
+
+
 def overlapping(faces: Arrays, elements: Arrays, time: float = 0.0) -> Arrays:
     """Contacts without force of the elements that overlap a wall: rest overlap is what there is.
 
@@ -115,10 +222,19 @@ def overlapping(faces: Arrays, elements: Arrays, time: float = 0.0) -> Arrays:
     dict of ndarray, shape (n,)
         Table as `Engine.load` takes it: id, face, slip and rest_overlap (m), sorted.
     """
-    x, y, radius = (elements[name][:, None] for name in ("x", "y", "radius"))
-    depth = radius - distances(faces, x, y, time)
-    row, face = np.nonzero(depth > 0)
-    depth = depth[row, face]
+    x, y, radius = (np.asarray(elements[name]) for name in ("x", "y", "radius"))
+    planes, lined = (np.flatnonzero(faces["plane"] == kind) for kind in (1, 0))
+    row = np.repeat(np.arange(len(x)), len(planes))
+    face = np.tile(planes, len(x))
+    if len(lined) and len(x):
+        tree = shapely.STRtree(_segments(faces, lined, time))
+        near = tree.query(shapely.points(x, y), predicate="dwithin", distance=radius)
+        row, face = np.append(row, near[0]), np.append(face, lined[near[1]])
+    some = {name: values[face] for name, values in faces.items()}
+    depth = radius[row] - distances(some, x[row], y[row], time)
+    order = np.lexsort((face, row))
+    order = order[depth[order] > 0]
+    row, face, depth = row[order], face[order], depth[order]
     return {
         "id": np.asarray(elements["id"], np.int64)[row],
         "face": face.astype(np.int64),

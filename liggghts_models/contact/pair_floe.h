@@ -67,7 +67,8 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   }
   // Share of a contact's closed area that element i gives; a fixed one gives nothing.
   double share_of(int i, int j) const;
-  int lower(int i, int j) const;  // that of two elements which has the lower id
+  bool touches(int i, int j) const;  // whether two elements may be in contact
+  int lower(int i, int j) const;     // that of two elements which has the lower id
   double reduced_mass(int i, int j) const;
   // The records are no longer valid: LIGGGHTS' history holds from now on.
   void forget_records() { stale_ = true; }
@@ -91,6 +92,7 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   void lists_change();
 
   bool bonds = false, friction = true, ridging = false, kovacs_sodhi = false;
+  bool fixed_contacts = true;  // else fixed elements only bond: walls stand where they do
   bool deterministic = false;  // sums per element that do not depend on order and ranks
   bool exact_losses = false;   // losses of damping to second order in the step
   double compressive = 0.0;    // Pa, where it is constant

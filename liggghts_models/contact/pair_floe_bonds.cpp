@@ -19,8 +19,8 @@ void PairFloe::start_contact(int number) {
   Ends &ends = contacts_.ends[number];
   const int i = ends.i, j = ends.j(), lo = lower(i, j), hi = i + j - lo;
   ends.marked_j |= Ends::mark;
-  const ContactConstants c =
-      contact_constants(contact, fix_->thickness[lo], fix_->thickness[hi], reduced_mass(i, j));
+  const ContactConstants c = contact_constants(contact, fix_->thickness[lo], fix_->thickness[hi],
+                                               reduced_mass(i, j), update->dt);
   contacts_.rows[number] = {0.0, 0.0, c.stiffness, c.damping};
   if (!ridging) return;
   Ridge ridge{0.0, std::min(fix_->thickness[lo], fix_->thickness[hi]),
@@ -48,6 +48,11 @@ PairFloe::Taken PairFloe::take_over(int number, double overlap, double force, do
   const int lo = block.lo[number & 3], hi = block.hi[number & 3];
   const double length = bonded_.at(BondBlock::length, number);
   bonded_.remove(number);
+  if (!touches(lo, hi)) {
+    *place.flag = 0;
+    std::fill(place.history, place.history + history_size(), 0.0);
+    return {};
+  }
   // This rank's own element first, as in the lists.
   const bool own = lo < atom->nlocal && (hi >= atom->nlocal || lo < hi);
   contacts_.ends.push_back({own ? lo : hi, own ? hi : lo});

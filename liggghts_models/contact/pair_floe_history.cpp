@@ -18,6 +18,11 @@ namespace floe {
 
 int PairFloe::lower(int i, int j) const { return atom->tag[i] < atom->tag[j] ? i : j; }
 
+bool PairFloe::touches(int i, int j) const {
+  const int *type = atom->type, fixed = FixFloeIntegrate::fixed_type;
+  return fixed_contacts || (type[i] != fixed && type[j] != fixed);
+}
+
 // An element that never moves takes part like an infinitely heavy one. In the order of the ids, so
 // that both sides of a rank boundary find the same bits.
 double PairFloe::reduced_mass(int i, int j) const {
@@ -50,6 +55,7 @@ void PairFloe::read_history() {
         bonded_.add(lo, hi, share, shape, constants_of(shape, lo, hi), {h, flag});
         continue;
       }
+      if (!touches(i, j)) continue;
       const int number = static_cast<int>(contacts_.ends.size());
       contacts_.ends.push_back({i, j});
       contacts_.rows.push_back({});

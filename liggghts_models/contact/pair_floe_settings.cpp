@@ -72,6 +72,8 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
       friction = flag(key);
     else if (key == "ridging")
       ridging = flag(key);
+    else if (key == "fixed_contacts")
+      fixed_contacts = flag(key);
     else if (key == "deterministic")
       deterministic = flag(key);
     else if (key == "exact_losses")

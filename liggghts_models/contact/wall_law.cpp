@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fix_floe_integrate.h"
 #include "pair_floe.h"
@@ -13,14 +14,17 @@ namespace floe {
 
 namespace {
 
+// Ice within this share of an element's radius is not taken by ridges against a wall.
+constexpr double core_share = 0.3;
+
 template <bool Friction, bool Ridging>
 ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose &pose, double step,
                       WallHistory &h) {
   const PairFloe &laws = *wall.laws;
   // All the spring is the element's ice, all the mass its own.
   const double stiffness = wall.stiffness(i);
-  const ContactConstants constants{stiffness,
-                                   2.0 * laws.contact.damping * std::sqrt(stiffness * mass)};
+  const ContactConstants constants{
+      stiffness, contact_damping(laws.contact, stiffness, mass, wall.fix->step_length())};
   const bool advance = step > 0.0;
   double rest = h.rest_overlap, slip = h.slip, limit = 0.0;
   double overlap =
@@ -38,14 +42,18 @@ ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose
     }
     // A disc may begin with its centre right at the wall, where no ice is left between them.
     const double span = pose.radius_one - std::min(rest, 0.5 * pose.radius_one);
-    const double closed = advance ? laws.close_ridge(stiffness, span, overlap, h.ridge) : 0.0;
+    // No ridge is built nearer to the centre: there the wall only resists, and is never passed.
+    const double room = (1.0 - core_share) * pose.radius_one - rest;
+    const bool builds = room > 0.0;
+    const double closed =
+        advance && builds ? laws.close_ridge(stiffness, span, overlap, h.ridge) : 0.0;
     if (closed > 0.0) {
       h.rest_overlap = rest + closed;
       overlap = (pose.radius_one - pose.distance) - h.rest_overlap;
       ledger.dissipation_ridging += stiffness * overlap * closed;
       wall.fix->ridged_area[i] += h.ridge.length * closed;
     }
-    limit = laws.ridging_limit(h.ridge);
+    limit = builds ? laws.ridging_limit(h.ridge) : std::numeric_limits<double>::max();
   }
   ContactLoss loss;
   const ContactForce out = contact_force<Friction, Ridging>(laws.contact, constants, pose, overlap,

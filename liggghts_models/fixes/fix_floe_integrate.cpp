@@ -155,6 +155,8 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
   }
 }
 
+double FixFloeIntegrate::step_length() const { return update->dt; }
+
 int FixFloeIntegrate::setmask() { return FixConst::INITIAL_INTEGRATE | FixConst::PRE_EXCHANGE; }
 
 void FixFloeIntegrate::init() {

@@ -91,7 +91,8 @@ class FixFloeIntegrate : public Fix {
 
   floe::DriftLaw law;
   floe::ForcingGrid forcing;
-  double start_time;  // s, time of step 0 on the forcing's axis
+  double start_time;           // s, time of step 0 on the forcing's axis
+  double step_length() const;  // s
   floe::Ledger ledger;
   floe::Fault fault;
 

@@ -58,16 +58,28 @@ struct ContactForceOf {
 };
 using ContactForce = ContactForceOf<double>;
 
+// Damping takes at most this share of the relative velocity of a pair in a step: however many small
+// neighbours an element has, what they take in a step then adds up to a share of its own momentum,
+// and the stable step does not shrink with their number.
+constexpr double damping_per_step = 0.1;
+
 // Normal stiffness N/m from the two thicknesses (m): springs of the two elements in series.
 inline double contact_stiffness(double young, double h_one, double h_two) {
   const double sum = h_one + h_two;
   return sum > 0.0 ? young * (h_one * h_two) / sum : 0.0;
 }
 
+// Normal damping N s/m; step (s) bounds it, 0: no bound.
+inline double contact_damping(const ContactMaterial &m, double stiffness, double reduced_mass,
+                              double step) {
+  const double wanted = 2.0 * m.damping * std::sqrt(stiffness * reduced_mass);
+  return step > 0.0 ? std::fmin(wanted, damping_per_step * reduced_mass / step) : wanted;
+}
+
 inline ContactConstants contact_constants(const ContactMaterial &m, double h_one, double h_two,
-                                          double reduced_mass) {
+                                          double reduced_mass, double step = 0.0) {
   const double stiffness = contact_stiffness(m.young, h_one, h_two);
-  return {stiffness, 2.0 * m.damping * std::sqrt(stiffness * reduced_mass)};
+  return {stiffness, contact_damping(m, stiffness, reduced_mass, step)};
 }
 
 // Overlap that makes force, m. The rest overlap can only shrink, as the pair separates.

@@ -45,6 +45,10 @@ class EngineParams:
         positive, to the right where it is negative.
     relative_wind : bool
         Wind stress from the wind relative to the ice.
+    fixed_contacts : bool
+        Whether ice touches fixed elements; else it only bonds with them, and walls hold it.
+    walls : bool
+        Whether there are walls: the critical step counts them.
     deterministic : bool
         Sums of forces that do not depend on the order of pairs, nor on the number of ranks.
     exact_losses : bool
@@ -85,6 +89,8 @@ class EngineParams:
     ocean_stress_factor: float = SEAWATER_DENSITY * 5.5e-3
     turning_angle: float = 0.0
     relative_wind: bool = False
+    fixed_contacts: bool = True
+    walls: bool = False
     deterministic: bool = False
     exact_losses: bool = False
     skin: float | None = None
@@ -172,6 +178,7 @@ class EngineParams:
             f" contact_shear_ratio {self.contact_shear_ratio!r}"
             f" contact_damping {self.contact_damping!r}"
             f" friction_coefficient {self.friction_coefficient!r} reach {reach!r}"
+            f" fixed_contacts {_yes(self.fixed_contacts)}"
             f" deterministic {_yes(self.deterministic)} exact_losses {_yes(self.exact_losses)}"
         )
 

@@ -114,6 +114,20 @@ def bond_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> float:
         return 1.0
     if params.reach is not None:
         return params.reach
+    reach = pair_reach(elements, bonds, params)
+    worst = int(np.argmax(reach))
+    if reach[worst] > LONGEST_REACH:
+        raise FloeError(
+            f"The bond between elements {bonds['id_lo'][worst]} and {bonds['id_hi'][worst]} "
+            f"survives until its centres are {reach[worst]:.3g} times the sum of the radii apart, "
+            f"beyond the {LONGEST_REACH:g} that neighbour lists cover: lower the strengths, raise "
+            "young_modulus, or set reach."
+        )
+    return float(reach[worst]) * 1.002
+
+
+def pair_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> np.ndarray:
+    """Furthest that the centres of each bonded pair can be, over the sum of its radii, (m,)."""
     ids = elements["id"]
     lo, hi = np.searchsorted(ids, bonds["id_lo"]), np.searchsorted(ids, bonds["id_hi"])
     arm = sum(
@@ -129,13 +143,4 @@ def bond_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> float:
     # Tension and shear do not reach their largest values together; both do bound the line.
     normal = np.maximum(tensile, compressive) / params.young_modulus
     stretch = bonds["span"] * np.hypot(normal, shear / params.shear_modulus)
-    reach = (arm + stretch) / (elements["radius"][lo] + elements["radius"][hi])
-    worst = int(np.argmax(reach))
-    if reach[worst] > LONGEST_REACH:
-        raise FloeError(
-            f"The bond between elements {bonds['id_lo'][worst]} and {bonds['id_hi'][worst]} "
-            f"survives until its centres are {reach[worst]:.3g} times the sum of the radii apart, "
-            f"beyond the {LONGEST_REACH:g} that neighbour lists cover: lower the strengths, raise "
-            "young_modulus, or set reach."
-        )
-    return float(reach[worst]) * 1.002
+    return np.asarray((arm + stretch) / (elements["radius"][lo] + elements["radius"][hi]))

@@ -13,12 +13,19 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from floeflow.dynamics.remesh.tables import element_values, put_together, with_pairs, with_walls
+from floeflow.dynamics.remesh.tables import (
+    corner_rows,
+    element_values,
+    put_together,
+    with_pairs,
+    with_walls,
+)
 from floeflow.dynamics.remesh.transport import amounts, values_of
 from floeflow.dynamics.ridging.ridging import contact_share
 from floeflow.state.bonds import Arrays, element_rows
 from floeflow.state.elements import joint_thickness, pair_arrays
 from floeflow.state.schema import MASS, MOBILE, VARIABLES
+from floeflow.state.walls import unsafe
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -55,6 +62,11 @@ def merge_targets(state: xr.Dataset, share: float) -> Index:
         others = others[(apart < reach) & (area[others] > area[row])]
         if len(others):
             into[row] = others[np.argmax(area[others])]
+    return into_roots(into)
+
+
+def into_roots(into: Index) -> Index:
+    """Rows of the elements in which chains of joining elements end, (n,)."""
     while not np.array_equal(into, into[into]):
         into = into[into]
     return into
@@ -66,7 +78,8 @@ def merge(state: xr.Dataset, into: Index) -> xr.Dataset:
     Parameters
     ----------
     state : xarray.Dataset
-        A state without outlines.
+        A state. Where it has outlines, a merged element takes that of its largest part, which
+        is scaled to its area wherever it is used.
     into : ndarray
         From `merge_targets`.
 
@@ -86,7 +99,8 @@ def merge(state: xr.Dataset, into: Index) -> xr.Dataset:
     new = {name: values[roots] for name, values in old.items()}
     _add_up(new, old, add, joins)
     _place(new, old, add, group, joins)
-    out = put_together(state, new, None)
+    _stay_at_sea(state, new, roots)
+    out = put_together(state, new, _outlines(state, roots))
     tables = {}
     if "bond_id_lo" in state:
         bonds = _moved_bonds(pair_arrays(state, "bond"), old, new, group)
@@ -99,6 +113,14 @@ def merge(state: xr.Dataset, into: Index) -> xr.Dataset:
         apart = ~_same_pairs(tables["contact"], tables["bond"])
         tables["contact"] = {name: v[apart] for name, v in tables["contact"].items()}
     return with_walls(with_pairs(out, tables), state, state["id"].values[into])
+
+
+def _outlines(state: xr.Dataset, rows: Index) -> Array | None:
+    """Corners of the outlines of some elements in their body frames (m), (c, 2), or none."""
+    if "cell_corners" not in state:
+        return None
+    corners = np.stack([state["corner_x"].values, state["corner_y"].values], axis=1)
+    return corners[corner_rows(state["cell_corners"].values, rows)]
 
 
 def _dot(add: sparse.csr_matrix, values: Array) -> Array:
@@ -139,6 +161,17 @@ def _place(new: Arrays, old: Arrays, add: sparse.csr_matrix, group: Index, joins
     omega = turning / np.where(joins, 0.5 * held * radius**2, 1.0)
     for name, values in (*centre.items(), ("radius", radius), ("omega", omega)):
         new[name][joins] = values[joins]
+
+
+def _stay_at_sea(state: xr.Dataset, new: Arrays, roots: Index) -> None:
+    """Merged elements whose centre would lie behind a coast stand where their largest part did."""
+    if "wall_face_ax" not in state or state.sizes["wall_face"] == 0:
+        return
+    first = np.column_stack([state["x"].values, state["y"].values])[roots]
+    moved, faces = np.column_stack([new["x"], new["y"]]), pair_arrays(state, "wall_face")
+    there = unsafe(faces, first, moved, new["radius"])
+    for axis, values in zip("xy", first.T, strict=True):
+        new[axis][there] = values[there]
 
 
 def _moved_bonds(bonds: Arrays, old: Arrays, new: Arrays, group: Index) -> Arrays:

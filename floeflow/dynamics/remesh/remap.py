@@ -27,12 +27,14 @@ from floeflow.dynamics.remesh.tables import (
     kept_pairs,
     put_together,
     with_pairs,
+    with_walls,
 )
 from floeflow.dynamics.remesh.transport import transport, values_of
 from floeflow.state.bonds import Arrays
 from floeflow.state.cells import Cells, rings_of
 from floeflow.state.elements import joint_thickness, pair_arrays
 from floeflow.state.schema import COAST, MOBILE, VARIABLES
+from floeflow.state.walls import unsafe
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -212,6 +214,9 @@ def _assemble(
     way = np.maximum(np.hypot(*off.T), 1e-300)
     most = cells.radius[stays]
     place = site + ((1.0 - size) * np.minimum(1.0, most / way))[:, None] * off
+    if "wall_face_ax" in state and state.sizes["wall_face"]:
+        ashore = unsafe(pair_arrays(state, "wall_face"), site, place, most * size)
+        place = np.where(ashore[:, None], site, place)
     polygons = cut(cells.polygons[stays], size**2, middle)
     start, ring = rings_of(polygons)
     corners = np.diff(start)
@@ -242,7 +247,7 @@ def _assemble(
         for kind, table in (("bond", bonds), ("contact", contacts))
         if table
     }
-    return with_pairs(out, tables)
+    return with_walls(with_pairs(out, tables), state, None)
 
 
 def _total_area(state: xr.Dataset) -> float:

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import xarray as xr
 
+from floeflow.dynamics.motion import engine_params
+from floeflow.dynamics.remesh.absorb import absorbed
 from floeflow.dynamics.remesh.merge import merge, merge_targets
 from floeflow.dynamics.remesh.remap import lay, overlapping, remap
 from floeflow.scene import Scene
@@ -34,48 +36,47 @@ def cure(scene: Scene, state: xr.Dataset, cells: Cells | None) -> tuple[xr.Datas
         did to kinetic energy and momentum.
     """
     if not (state["type"].values == MOBILE).any():
-        return state, _terms(scene, state, state, 0.0)
+        return state, {}
     overlap = 0.0
-    cured = state
+    merged = state
+    if "ridging" in scene.effects:
+        merged = merge(merged, absorbed(merged, engine_params(scene)))
     if "merge" in scene.effects:
-        cured = merge(state, merge_targets(state, scene.merge.radius))
+        merged = merge(merged, merge_targets(merged, scene.merge.radius))
+    cured = merged
     if "remap" in scene.effects and cells is not None:
-        laid = lay(state, cells)
+        laid = lay(merged, cells)
         overlap = overlapping(laid, cells)
         every = scene.remap.every
         due = every > 0 and int(state.attrs["window"]) % every == 0
         if due or overlap > scene.remap.overlap:
             gap, slopes = scene.packing.bond_gap, scene.remap.order == 2
-            cured = remap(state, cells, laid, gap, slopes)
-    return cured, _terms(scene, state, cured, overlap)
+            cured = remap(merged, cells, laid, gap, slopes)
+    terms = _terms(scene, state, merged, "merge") | _terms(scene, merged, cured, "remap")
+    if "remap_done" in terms:
+        terms["remap_overlap"] = overlap
+    return cured, terms
 
 
-def carry_drift(before: xr.Dataset, after: xr.Dataset) -> xr.Dataset:
-    """State after a motion, in whose net displacement that motion is counted.
-
-    Fresh elements begin where their cells are, so positions alone do not tell how far ice went.
-    """
-    if "drift_x" not in before:
-        return after
-    gone = {f"drift_{a}": before[f"drift_{a}"] + (after[a] - before[a]) for a in ("x", "y")}
-    return after.assign(gone)
-
-
-def _terms(scene: Scene, before: xr.Dataset, after: xr.Dataset, overlap: float) -> Terms:
-    least = scene.dynamics.minimum_thickness
-    momenta, energies = zip(*(_motion(state, least) for state in (before, after)), strict=True)
-    if "remap" in scene.effects:
-        kind = "remap"
-        terms = {"remap_done": float(after is not before), "remap_overlap": overlap}
-    elif "merge" in scene.effects:
-        kind = "merge"
+def _terms(scene: Scene, before: xr.Dataset, after: xr.Dataset, kind: str) -> Terms:
+    """Terms of one cure; none where the scene has it not."""
+    if kind == "remap" and "remap" in scene.effects:
+        terms = {"remap_done": float(after is not before)}
+    elif kind == "merge" and cures_by_merging(scene):
         terms = {"merge_elements": float(before.sizes["element"] - after.sizes["element"])}
     else:
         return {}
+    least = scene.dynamics.minimum_thickness
+    momenta, energies = zip(*(_motion(state, least) for state in (before, after)), strict=True)
     for axis, first, last in zip("xy", *momenta, strict=True):
         terms[f"{kind}_momentum_{axis}"] = last - first
     terms[f"{kind}_energy"] = energies[1] - energies[0]
     return terms
+
+
+def cures_by_merging(scene: Scene) -> bool:
+    """Whether elements may join others: where they are asked to, and where ridges use them up."""
+    return bool({"merge", "ridging"} & set(scene.effects))
 
 
 def _motion(state: xr.Dataset, minimum_thickness: float) -> tuple[tuple[float, float], float]:

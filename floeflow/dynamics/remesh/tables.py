@@ -98,20 +98,23 @@ def with_pairs(state: xr.Dataset, tables: dict[str, Arrays]) -> xr.Dataset:
     return state
 
 
-def with_walls(state: xr.Dataset, before: xr.Dataset, names: Index) -> xr.Dataset:
+def with_walls(state: xr.Dataset, before: xr.Dataset, names: Index | None) -> xr.Dataset:
     """State with its walls: contacts keep their elastic overlap, new ones begin without force.
 
     Parameters
     ----------
     state, before : xarray.Dataset
         State with other elements than before; both at the same time.
-    names : ndarray
-        Id that each element of ``before`` goes by now, (n,).
+    names : ndarray or None
+        Id that each element of ``before`` goes by now, (n,); None: all contacts begin anew.
     """
     if "wall_contact_id" not in before:
         return state
     time = float(before.attrs["time"])
     contacts, faces = (pair_arrays(before, f"wall_{kind}") for kind in ("contact", "face"))
+    if names is None:
+        contacts = {name: values[:0] for name, values in contacts.items()}
+        names = before["id"].values
 
     def overlap(of: xr.Dataset, ids: Index, face: Index) -> Array:
         row = element_rows(of["id"].values, ids)

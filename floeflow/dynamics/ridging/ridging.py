@@ -11,8 +11,7 @@ import numpy as np
 import xarray as xr
 from scipy.spatial import cKDTree
 
-from floeflow.core.errors import FloeError
-from floeflow.dynamics.ridging.crushing import stand_clear
+from floeflow.dynamics.ridging.closing import centre_shifts
 from floeflow.dynamics.ridging.walls import shift_wall_contacts
 from floeflow.state.bonds import Arrays, element_rows
 from floeflow.state.elements import element_arrays
@@ -20,68 +19,83 @@ from floeflow.state.schema import COAST
 
 # Neighbours whose discs are no further apart than this share of their radii's sum keep their gaps.
 NEAR = 0.05
+# No element gets smaller than this share of the mean one: what is used up joins a neighbour then.
+LEAST_AREA = 0.02
 # Per effective area, so that they grow as it shrinks.
 _VOLUMES = ("ice_volume", "snow_volume")
 
 
 def close_areas(
-    state: xr.Dataset, ridged: np.ndarray, minimum_thickness: float, time: float = 0.0
+    state: xr.Dataset,
+    ridged: np.ndarray,
+    minimum_thickness: float,
+    held: dict[str, Arrays] | None = None,
+    time: float = 0.0,
 ) -> xr.Dataset:
     """Take the area that was turned into ridges from the elements.
 
     Ice and leads of an element close in proportion (its ice fraction stays), ice and snow keep
-    their volume, the radius follows the area, and what was closed becomes unclaimed water. Bonds
-    hold their lines in the elements' body frames and need no change.
+    their volume, the disc shrinks with the area and moves to the centre of what is left, and what
+    was closed becomes unclaimed water. The lines of bonds stay where they are.
 
     Parameters
     ----------
     state : xarray.Dataset
         State after the motion.
     ridged : ndarray, shape (n,)
-        Area turned into ridges, m2, in the order of the elements.
+        Area turned into ridges, m2, in the order of the elements. Where it is all that an element
+        has, a rest stays (`LEAST_AREA`), which is to join a neighbour.
     minimum_thickness : float
         As in `element_arrays`, m.
+    held : dict of dict of ndarray, optional
+        Tables ``contact`` and, with walls, ``wall_contact`` at the window's start; absent: no pair
+        had closed before.
     time : float
         At which walls, if there are any, are where they are, s.
 
     Returns
     -------
     xarray.Dataset
-        New state: area, radius, volumes, contacts, ``unclaimed_water``.
-
-    Raises
-    ------
-    FloeError
-        If an element would lose all its area; names it.
+        New state: area, place, radius, volumes, contacts, ``unclaimed_water``.
     """
     area = state["area"].values
     coast = state["type"].values == COAST
-    left = np.where(coast, area, area - ridged)
-    gone = ~coast & ~(left > 0)
-    if gone.any():
-        row = int(np.flatnonzero(gone)[0])
-        raise FloeError(
-            f"Element {state['id'].values[row]} at ({state['x'].values[row]:.6g}, "
-            f"{state['y'].values[row]:.6g}) m lost all its area to ridging in one window: shorten "
-            "time.window."
-        )
-    share = np.divide(left, area, out=np.ones_like(area), where=~coast)
+    least = LEAST_AREA * (float(area[~coast].mean()) if (~coast).any() else 0.0)
+    left = np.where(coast, area, np.maximum(area - ridged, np.minimum(area, least)))
+    share = np.divide(left, area, out=np.ones_like(area), where=~coast & (area > 0))
+    before = element_arrays(state, minimum_thickness)
+    shift = centre_shifts(state, held or {}, before, area - left, time)
     closed = state.copy()
     closed["area"] = ("element", left)
     closed["radius"] = ("element", state["radius"].values * np.sqrt(share))
+    for axis, moved in zip("xy", shift.T, strict=True):
+        closed[axis] = ("element", state[axis].values + moved)
     for name in _VOLUMES:
         if name in state:
             closed[name] = (state[name].dims, state[name].values / share[:, None])
     water = float(state.attrs["unclaimed_water"]) + float((area - left).sum())
     closed.attrs = {**state.attrs, "unclaimed_water": water}
-    before = element_arrays(state, minimum_thickness)
     after = element_arrays(closed, minimum_thickness)
-    after |= stand_clear(closed, before, after, time)
-    for name in ("radius", "x", "y"):
-        closed[name] = ("element", after[name])
-    closed = _shift_contacts(closed, before, after)
+    closed = _shift_contacts(_shift_bonds(closed, shift), before, after)
     walled = "wall_contact_ridge_closing" in closed
     return shift_wall_contacts(closed, before, after, time) if walled else closed
+
+
+def _shift_bonds(state: xr.Dataset, shift: np.ndarray) -> xr.Dataset:
+    """Bonds of elements whose centres have moved: their lines stay where they are in space."""
+    if "bond_id_lo" not in state or not shift.any():
+        return state
+    out = {}
+    for side in ("lo", "hi"):
+        row = element_rows(state["id"].values, state[f"bond_id_{side}"].values)
+        cos, sin = np.cos(state["theta"].values[row]), np.sin(state["theta"].values[row])
+        dx, dy = shift[row].T
+        body = cos * dx + sin * dy, cos * dy - sin * dx
+        for end in "ab":
+            for axis, moved in zip("xy", body, strict=True):
+                name = f"bond_{side}_{end}{axis}"
+                out[name] = ("bond", state[name].values - moved)
+    return state.assign(out)
 
 
 def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
@@ -126,7 +140,8 @@ def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Data
 def _with_neighbours(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dataset:
     """State whose contacts include the open pairs beside elements that became smaller."""
     ids, radius, fixed = before["id"], before["radius"], before["type"] == COAST
-    smaller = after["radius"] < radius
+    smaller = (after["radius"] < radius) | (after["x"] != before["x"])
+    smaller |= after["y"] != before["y"]
     places = np.column_stack([before["x"], before["y"]])
     widest = 2 * (1 + NEAR) * float(radius.max(initial=0.0))
     pairs = cKDTree(places).query_pairs(widest, output_type="ndarray").reshape(-1, 2)

@@ -18,12 +18,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from floeflow.dynamics.engine.params import FIXED, EngineParams
 from floeflow.state.bonds import Arrays
 
+Array = NDArray[np.float64]
+
 # More kinds of elements than this are put together, in classes that widen by this share.
 MOST, WIDTH = 1500, 0.01
+# Share of a pair's relative velocity that damping may take in a step (laws/contact.h).
+DAMPING_PER_STEP = 0.1
 
 
 @dataclass(frozen=True)
@@ -36,12 +43,16 @@ class Room:
         Sum of all neighbours', normal to the contacts, 1/s2 and 1/s.
     stiffest, most_damped : ndarray
         Of a single one.
+    damped_per_step, most_damped_per_step : ndarray
+        Bounds of the damping times the step, 1, whatever the step: sum and of a single one.
     """
 
     stiffness: np.ndarray
     damping: np.ndarray
+    damped_per_step: np.ndarray
     stiffest: np.ndarray
     most_damped: np.ndarray
+    most_damped_per_step: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -70,7 +81,7 @@ class Kinds:
         return self.radius * self.inverse
 
 
-def contact_room(elements: Arrays, params: EngineParams) -> Room:
+def contact_room(elements: Arrays, params: EngineParams, way: float = np.inf) -> Room:
     """Bounds of the contacts about each element, friction left out.
 
     The weights are radius over mass: the heavier of two stays still. That makes the bound exact for
@@ -82,42 +93,126 @@ def contact_room(elements: Arrays, params: EngineParams) -> Room:
         As `Engine.load` takes them.
     params : EngineParams
         Law parameters.
+    way : float
+        By how much two elements may come nearer to each other, m: only those whose discs are no
+        further apart can meet. Infinite: any may meet any.
     """
-    kinds = element_kinds(elements)
-    weight = kinds.weight
-    rows = []
-    for i in range(len(kinds.radius)):
-        if kinds.inverse[i] == 0.0:
-            rows.append((0.0,) * 4)
-            continue
-        series = kinds.thickness + kinds.thickness[i]
-        with np.errstate(invalid="ignore"):
-            h = np.where(series > 0.0, kinds.thickness * kinds.thickness[i] / series, 0.0)
-        k = params.contact_modulus * h
-        c = 2.0 * params.contact_damping * np.sqrt(k / (kinds.inverse + kinds.inverse[i]))
-        share = 1.0 + weight / weight[i]
-        q = kinds.radius / (kinds.largest[i] + kinds.radius)
-        rows.append((_full_turn(q, k * share), _full_turn(q, c * share), *_most(k, c, share)))
+    if np.isfinite(way):
+        sums = _rooms_near(elements, params, way)
+    else:
+        kinds = element_kinds(elements)
+        n = len(kinds.radius)
+        every = (
+            *(np.arange(n), np.arange(n + 1) * n, np.tile(np.arange(n), n)),
+            np.zeros(n * n, dtype=np.bool_),
+        )
+        sums = _rooms(kinds.largest, kinds.radius, kinds.thickness, kinds.inverse, *every, params)
+        sums = sums[kinds.of]
     mobile = np.asarray(elements["type"]) != FIXED
-    sums = np.array(rows)[kinds.of] * np.where(mobile, 1.0 / elements["mass"], 0.0)[:, None]
+    sums = sums * np.where(mobile, 1.0 / elements["mass"], 0.0)[:, None]
     return Room(*sums.T)
 
 
-def _most(k: np.ndarray, c: np.ndarray, share: np.ndarray) -> tuple[float, float]:
-    return float((k * share).max()), float((c * share).max())
+def _rooms_near(elements: Arrays, params: EngineParams, way: float) -> Array:
+    """Sums for each element (n, 6), of those that can come to touch it."""
+    inverse = np.where(np.asarray(elements["type"]) == FIXED, 0.0, 1.0 / elements["mass"])
+    radius, thickness = (np.asarray(elements[name], float) for name in ("radius", "thickness"))
+    order = np.argsort(radius, kind="stable")
+    radius, thickness, inverse = radius[order], thickness[order], inverse[order]
+    places = np.column_stack([elements["x"], elements["y"]])[order]
+    # Sorted rows: neighbours of ascending radius, as `_rooms` needs them.
+    near = cKDTree(places).query_ball_point(places, radius + radius.max() + way, return_sorted=True)
+    count = np.array([len(item) for item in near])
+    first = np.repeat(np.arange(len(radius)), count)
+    second = np.concatenate([np.asarray(item, np.int64) for item in near])
+    apart = np.hypot(*(places[second] - places[first]).T)
+    keep = (first != second) & (apart - radius[first] - radius[second] <= way)
+    if not params.fixed_contacts:
+        keep &= inverse[second] > 0.0
+    first, second = first[keep], second[keep]
+    start = np.searchsorted(first, np.arange(len(radius) + 1))
+    touching = (apart[keep] < radius[first] + radius[second]).astype(np.bool_)
+    listed = np.arange(len(radius)), start, second, touching
+    sums = np.empty((len(radius), 6))
+    sums[order] = _rooms(radius, radius, thickness, inverse, *listed, params)
+    return sums
 
 
-def _full_turn(q: np.ndarray, value: np.ndarray) -> float:
-    """Most that the values of neighbours in a full turn add up to; `q` ascending.
+def _rooms(
+    largest: Array,
+    radius: Array,
+    thickness: Array,
+    inverse: Array,
+    rows: NDArray[np.int64],
+    start: NDArray[np.int64],
+    neighbour: NDArray[np.int64],
+    touching: NDArray[np.bool_],
+    params: EngineParams,
+) -> Array:
+    """Sums of the bounds about some elements or kinds (k, 6): see `Room`, before the mass.
 
-    Half of both values belongs to the angle between two neighbours. Only those count that are
-    worth more than all smaller ones.
+    Those that overlap already (`touching`) may be more than find room side by side: each counts.
     """
-    best = np.maximum.accumulate(value)
-    front = np.flatnonzero(np.concatenate([[True], best[1:] > best[:-1]]))
-    q, value = q[front], value[front]
-    angle = 2.0 * np.arcsin(np.sqrt(q[:, None] * q))
-    return float((np.pi * (value[:, None] + value) / angle).max())
+    laws = params.contact_modulus, params.contact_damping
+    discs = np.column_stack([largest, radius, thickness, inverse])
+    lists = start, neighbour, touching
+    return np.asarray(_full_turns(discs, rows, lists, laws, (DAMPING_PER_STEP, params.walls)))
+
+
+@njit(cache=True)
+def _full_turns(discs, rows, lists, laws, caps):  # type: ignore[no-untyped-def]
+    per_step, walled = caps
+    start, neighbour, touching = lists
+    modulus, share_damped = laws
+    out = np.zeros((len(rows), 6))
+    room = 0
+    for i in range(len(rows)):
+        room = max(room, 1 + start[i + 1] - start[i])
+    q, value, over = np.empty(room), np.empty((3, room)), np.zeros(room, dtype=np.bool_)
+    front_q, front = np.empty(room), np.empty(room)
+    for i in rows:
+        largest, own, h, inverse = discs[i]
+        if inverse == 0.0:
+            continue
+        count = start[i + 1] - start[i]
+        for n in range(count):
+            _, r, other, heavy = discs[neighbour[start[i] + n]]
+            k = modulus * h * other / (h + other) if h + other > 0.0 else 0.0
+            reduced = 1.0 / (heavy + inverse)
+            over[n] = touching[start[i] + n]
+            weight = 1.0 + r * heavy / (own * inverse)
+            q[n] = r / (largest + r)
+            value[0, n] = weight * k
+            value[1, n] = weight * 2.0 * share_damped * np.sqrt(k * reduced)
+            value[2, n] = weight * per_step * reduced
+        if walled:
+            # A wall takes the room of a disc of the same size; all the spring is the ice's own.
+            n = count
+            count += 1
+            while n > 0 and q[n - 1] > 0.5:
+                q[n], value[:, n], over[n] = q[n - 1], value[:, n - 1], over[n - 1]
+                n -= 1
+            q[n], over[n] = 0.5, False
+            value[0, n] = modulus * h
+            value[1, n] = 2.0 * share_damped * np.sqrt(modulus * h / inverse)
+            value[2, n] = per_step / inverse
+        for kind in range(3):
+            # Only those count that are worth more than all smaller ones.
+            kept, best, there = 0, -1.0, 0.0
+            for n in range(count):
+                if over[n]:
+                    there += value[kind, n]
+                if value[kind, n] > best:
+                    best = value[kind, n]
+                    front_q[kept], front[kept] = q[n], best
+                    kept += 1
+            most = 0.0
+            for a in range(kept):
+                for b in range(a + 1):
+                    angle = 2.0 * np.arcsin(np.sqrt(front_q[a] * front_q[b]))
+                    most = max(most, np.pi * (front[a] + front[b]) / angle)
+            out[i, kind], out[i, 3 + kind] = max(most, there), max(best, 0.0)
+    return out
 
 
 def element_kinds(elements: Arrays) -> Kinds:

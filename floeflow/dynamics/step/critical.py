@@ -10,9 +10,11 @@ and go, are bounded from above. Drag and Coriolis force set no limit: they are i
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.optimize import brentq
 from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
 from floeflow.core.errors import FloeError
@@ -30,7 +32,7 @@ DENSE = 200
 
 
 def critical_step(
-    elements: Arrays, bonds: Arrays | None, params: EngineParams
+    elements: Arrays, bonds: Arrays | None, params: EngineParams, way: float = np.inf
 ) -> tuple[float, str]:
     """Critical time step, from below.
 
@@ -42,6 +44,8 @@ def critical_step(
         Bond table; cracked bonds count as whole.
     params : EngineParams
         Law parameters; its time step plays no part.
+    way : float
+        By how much two elements may come nearer to each other while the step holds, m.
 
     Returns
     -------
@@ -58,7 +62,7 @@ def critical_step(
     mobile = np.asarray(elements["type"]) != FIXED
     if not mobile.any():
         raise FloeError("All elements are fixed: there is no critical time step.")
-    pack = pack_stiffness(elements, bonds, params)
+    pack = pack_stiffness(elements, bonds, params, way)
     step, motion = _limit(pack)
     row = int(np.argmax(np.square(motion).reshape(-1, 3).sum(axis=1)))
     return step, _reason(row, elements, bonds, params)
@@ -71,25 +75,39 @@ def _limit(pack: Stiffness) -> tuple[float, np.ndarray]:
     if not np.isfinite(step):
         return step, motion
     for _ in range(ROUNDS):
+        matrix = step**2 * pack.stiffness + 2.0 * step * pack.damping
         try:
-            motion = _fastest(step**2 * pack.stiffness + 2.0 * step * pack.damping, motion)
+            motion = _fastest(matrix + sp.diags_array(2.0 * pack.damped(step)), motion)
         except ArpackNoConvergence:
             return _step_of_rows(pack)[0], fallback
-        last, step = (
-            step,
-            _step_of(
-                float(motion @ (pack.stiffness @ motion)), float(motion @ (pack.damping @ motion))
-            ),
-        )
+        last, step = step, _step_of(pack, motion)
         if abs(step - last) < CLOSE * step:
             break
     # An eigenvalue too low by a share makes a step too long by half of it.
     return step * (1.0 - CLOSE - 0.5 * TOLERANCE), motion
 
 
-def _step_of(k: float, c: float) -> float:
-    """Step (s) at which dt^2 k + 2 dt c = 4."""
-    return 4.0 / (c + math.sqrt(c * c + 4.0 * k)) if max(k, c) > 0.0 else math.inf
+def _step_of(pack: Stiffness, motion: np.ndarray) -> float:
+    """Step (s) at which a motion becomes unstable."""
+    k = float(motion @ (pack.stiffness @ motion))
+    c = float(motion @ (pack.damping @ motion))
+    square = np.square(motion)
+    return _solved(k, c, lambda step: float(square @ pack.damped(step)))
+
+
+def _solved(k: float, c: float, damped: Callable[[float], float]) -> float:
+    """Step (s) at which dt^2 k + 2 dt c + 2 damped(dt) = 4; `damped` grows with the step."""
+    if max(k, c) <= 0.0:
+        # No spring: what damping may take in a step is bounded, and far from what blows up.
+        return math.inf
+    longest = 4.0 / (c + math.sqrt(c * c + 4.0 * k))
+    if damped(longest) <= 0.0:
+        return longest
+
+    def excess(step: float) -> float:
+        return step * step * k + 2.0 * step * c + 2.0 * damped(step) - 4.0
+
+    return float(brentq(excess, 0.0, longest, rtol=1e-10))
 
 
 def _step_of_rows(pack: Stiffness) -> tuple[float, np.ndarray]:
@@ -99,7 +117,8 @@ def _step_of_rows(pack: Stiffness) -> tuple[float, np.ndarray]:
     """
     k, c = abs(pack.stiffness).sum(axis=1), abs(pack.damping).sum(axis=1)
     worst = int(np.argmax(k))
-    return _step_of(float(k[worst]), float(c.max())), np.eye(1, len(k), worst)[0]
+    step = _solved(float(k[worst]), float(c.max()), lambda dt: float(pack.damped(dt).max()))
+    return step, np.eye(1, len(k), worst)[0]
 
 
 def _fastest(matrix: sp.csr_array, guess: np.ndarray) -> np.ndarray:

@@ -13,11 +13,13 @@ import numpy as np
 import scipy.sparse as sp
 
 from floeflow.dynamics.engine.params import FIXED, EngineParams
-from floeflow.dynamics.step.contact_room import contact_room
+from floeflow.dynamics.step.contact_room import Room, contact_room
 from floeflow.state.bonds import Arrays, element_rows, line_length
 
 # A disc's inertia for rotation times radius, over its mass.
 SPIN_INERTIA = 0.5
+# Crowds of very unlike discs act along one direction by up to 3 % more than half of what is capped.
+SLACK = 1.05
 
 
 @dataclass(frozen=True)
@@ -27,14 +29,24 @@ class Stiffness:
     Parameters
     ----------
     stiffness, damping : scipy.sparse.csr_array
-        Symmetric, not negative.
+        Symmetric, not negative; damping that of the bonds.
+    contact_damping, damped_per_step : ndarray, shape (3 n,)
+        Damping of contacts (1/s), and a bound of it times the step (1), whatever the step.
     """
 
     stiffness: sp.csr_array
     damping: sp.csr_array
+    contact_damping: np.ndarray
+    damped_per_step: np.ndarray
+
+    def damped(self, step: float) -> np.ndarray:
+        """Contacts' damping times a step (s), shape (3 n,)."""
+        return np.asarray(np.minimum(step * self.contact_damping, self.damped_per_step))
 
 
-def pack_stiffness(elements: Arrays, bonds: Arrays | None, params: EngineParams) -> Stiffness:
+def pack_stiffness(
+    elements: Arrays, bonds: Arrays | None, params: EngineParams, way: float = np.inf
+) -> Stiffness:
     """Stiffness and damping of a pack.
 
     Bonds are there as a network, whole where they are cracked. Contacts are not known beforehand:
@@ -49,6 +61,8 @@ def pack_stiffness(elements: Arrays, bonds: Arrays | None, params: EngineParams)
         Bond table.
     params : EngineParams
         Law parameters.
+    way : float
+        As for `contact_room`, m.
     """
     n = len(elements["id"])
     stiffness, damping = sp.csr_array((3 * n, 3 * n)), sp.csr_array((3 * n, 3 * n))
@@ -61,10 +75,10 @@ def pack_stiffness(elements: Arrays, bonds: Arrays | None, params: EngineParams)
         stiffness = (modes.T @ sp.diags_array(spring) @ modes).tocsr()
         damping = (modes.T @ sp.diags_array(viscous) @ modes).tocsr()
     free = np.maximum(1.0 - neighbours / _room(elements), 0.0)
-    spring, viscous = _contact_diagonals(elements, params, free)
-    return Stiffness(
-        (stiffness + sp.diags_array(spring)).tocsr(), (damping + sp.diags_array(viscous)).tocsr()
+    spring, viscous, per_step = _contact_diagonals(
+        contact_room(elements, params, way), params, free
     )
+    return Stiffness((stiffness + sp.diags_array(spring)).tocsr(), damping, viscous, per_step)
 
 
 def _roots(elements: Arrays) -> np.ndarray:
@@ -128,22 +142,23 @@ def _room(elements: Arrays) -> np.ndarray:
     return np.pi / np.arcsin(small / (elements["radius"] + small))
 
 
-def _contact_diagonals(
-    elements: Arrays, params: EngineParams, free: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Scaled stiffness and damping of contacts in the free share of the room, shapes (3 n,).
+def _contact_diagonals(room: Room, params: EngineParams, free: np.ndarray) -> list[np.ndarray]:
+    """Scaled stiffness, damping and damping in a step of contacts in the free share of the room.
 
     All around an element half of the normal and half of the tangential springs act along any
-    direction; of two opposite ones all of the normal springs may.
+    direction; of two opposite ones all of the normal springs may. Each of shape (3 n,).
     """
-    room = contact_room(elements, params)
     ratio = params.contact_shear_ratio if params.friction else 0.0
     out = []
     for total, one, share in (
         (room.stiffness, room.stiffest, ratio),
         (room.damping, room.most_damped, np.sqrt(ratio)),
+        (
+            *(SLACK * room.damped_per_step, SLACK * room.most_damped_per_step),
+            np.sqrt(ratio),
+        ),
     ):
         along = np.maximum(free * 0.5 * (1.0 + share) * total, np.where(free > 0.0, 2.0 * one, 0.0))
         turning = free * share * total / SPIN_INERTIA
         out.append(np.stack([along, along, turning], axis=1).ravel())
-    return out[0], out[1]
+    return out

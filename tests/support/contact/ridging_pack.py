@@ -71,7 +71,8 @@ def advance(
         sums, moved = engine.diagnostics(), engine.elements()
         after = moved_state(state, moved, None, engine.contacts())
     sums |= {f"first_{name}": value for name, value in first.items()}
-    closed = close_areas(after, moved["ridged_area"], LEAST)
+    held = {"contact": pair_arrays(state, "contact")}
+    closed = close_areas(after, moved["ridged_area"], LEAST, held)
     closed.attrs["time"] = sums["time"]
     check_state(closed)
     return closed, sums

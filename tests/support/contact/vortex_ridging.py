@@ -75,7 +75,8 @@ def run(log: Path, state: xr.Dataset, step: float, hours: float) -> tuple[xr.Dat
             engine.run(round(WINDOW / step))
             out, sums = engine.elements(), engine.diagnostics()
             moved = moved_state(state, out, None, engine.contacts(), engine.wall_contacts())
-            state = close_areas(moved, out["ridged_area"], LEAST)
+            tables = {"contact": contacts, "wall_contact": held}
+            state = close_areas(moved, out["ridged_area"], LEAST, tables)
             _note(worst, state, sums["max_overlap"])
     return state, worst
 

@@ -151,7 +151,8 @@ def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions
             ("wind",),
         ):
             for windows in (1, 4):
-                keys = {"packing.elements": elements, "effects": list(effects)}
+                keys = {"dynamics.young_modulus": 1e9, "dynamics.contact_modulus": 1e8}
+                keys |= {"packing.elements": elements, "effects": list(effects)}
                 keys |= {"time.windows": windows, "workflow.windows_per_job": windows}
                 other = build_scene(changed(scene.model_dump(mode="json"), keys))
                 own = adjusted(c, other)

@@ -23,7 +23,7 @@ from floeflow.scene.load import parse_scene
 from floeflow.state.elements import element_arrays, pair_arrays
 from floeflow.state.files import read_state, write_state
 from floeflow.state.schema import check_state, expected_variables
-from floeflow.state.walls import distances, lines, plane
+from floeflow.state.walls import distances, join, lines, plane
 
 SCENE = """
 effects: [{effects}]
@@ -86,7 +86,7 @@ def write_mesh(path: Path, z: float = 300.0) -> None:
 def test_the_rim_stands_on_the_rectangle() -> None:
     scene = a_scene("")
     assert scene.walls.names == ("left", "right", "bottom", "top")
-    apart = distances(make_walls(scene), np.array([[1e4]]), np.array([[1.5e4]]))
+    apart = distances(join(make_walls(scene)), np.array([[1e4]]), np.array([[1.5e4]]))
     np.testing.assert_allclose(apart, [[1e4, 3e4, 1.5e4, 2.5e4]], rtol=1e-14)
 
 
@@ -113,7 +113,7 @@ def test_lines_know_their_neighbours() -> None:
 
 def test_a_mesh_is_cut_at_the_ice(tmp_path: Path) -> None:
     write_mesh(tmp_path / "tower.stl")
-    walls = make_walls(a_scene(f"rim: [], mesh: {tmp_path / 'tower.stl'}"))
+    walls = join(make_walls(a_scene(f"rim: [], mesh: {tmp_path / 'tower.stl'}")))
     assert len(walls["ax"]) == 8 and (walls["before"] >= 0).all() and (walls["after"] >= 0).all()
     length = np.hypot(walls["bx"] - walls["ax"], walls["by"] - walls["ay"])
     assert length.sum() == pytest.approx(16e3)
@@ -174,7 +174,9 @@ def test_only_walls_bring_walls_to_the_state() -> None:
         f"wall_contact_ridge_{name}" for name in ("closing", "thickness", "length")
     }
     assert not [name for name in alone if "ridge" in name]
-    rest = tuple(name for name in EFFECTS if name != "walls")
+    # The coast is a wall, too.
+    assert set(expected_variables(("coast", "ridging"))) == set(both)
+    rest = tuple(name for name in EFFECTS if name not in ("walls", "coast"))
     assert not [name for name in expected_variables(rest) if name.startswith("wall")]
 
 

@@ -42,12 +42,16 @@ def crowd(random: np.random.Generator, tries: int = 200) -> Arrays:
     return discs(1e3 * x, 1e3 * y, 1e3 * np.array([1.0, *radii]), h)
 
 
-def block(pack: Arrays, laws: EngineParams) -> tuple[np.ndarray, np.ndarray]:
-    """What the first disc's contacts weigh on its own motion, 3 x 3: stiffness and damping."""
+def block(pack: Arrays, laws: EngineParams) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What the first disc's contacts weigh on its own motion, 3 x 3.
+
+    Stiffness, damping, and the most that damping may be in a step of 1 s.
+    """
     mass, h = pack["mass"], pack["thickness"]
     ratio = laws.contact_shear_ratio if laws.friction else 0.0
     k = laws.contact_modulus * h[0] * h[1:] / (h[0] + h[1:])
-    c = 2.0 * laws.contact_damping * np.sqrt(k / (1.0 / mass[0] + 1.0 / mass[1:]))
+    reduced = 1.0 / (1.0 / mass[0] + 1.0 / mass[1:])
+    c = 2.0 * laws.contact_damping * np.sqrt(k * reduced)
     weight = pack["radius"] / mass
     share = (1.0 + weight[1:] / weight[0]) / mass[0]
     n = np.stack([pack["x"][1:], pack["y"][1:]], axis=1)
@@ -55,10 +59,12 @@ def block(pack: Arrays, laws: EngineParams) -> tuple[np.ndarray, np.ndarray]:
     opening = np.column_stack([n, np.zeros(len(n))])
     sliding = np.column_stack([-n[:, 1], n[:, 0], np.full(len(n), np.sqrt(2.0))])
     out = []
-    for value, part in ((k * share, ratio), (c * share, np.sqrt(ratio))):
+    most = contactroom.DAMPING_PER_STEP * reduced
+    root_ratio = np.sqrt(ratio)
+    for value, part in ((k * share, ratio), (c * share, root_ratio), (most * share, root_ratio)):
         rows = np.sqrt(value)[:, None] * opening, np.sqrt(part * value)[:, None] * sliding
         out.append(sum(row.T @ row for row in rows))
-    return out[0], out[1]
+    return out[0], out[1], out[2]
 
 
 @pytest.mark.parametrize("friction", [False, True])
@@ -68,8 +74,8 @@ def test_no_crowd_is_stiffer_than_the_bound(friction: bool) -> None:
     for _ in range(400):
         pack = crowd(random)
         bound = pack_stiffness(pack, None, laws)
-        for crowded, most in zip(block(pack, laws), (bound.stiffness, bound.damping), strict=True):
-            most = most.diagonal()[:3]
+        mosts = bound.stiffness.diagonal()[:3], bound.contact_damping[:3], bound.damped_per_step[:3]
+        for crowded, most in zip(block(pack, laws), mosts, strict=True):
             kept = most > 0.0  # without friction nothing turns
             root = 1.0 / np.sqrt(most[kept])
             shares.append(np.linalg.eigvalsh(root[:, None] * crowded[kept][:, kept] * root)[-1])
@@ -85,7 +91,7 @@ def test_a_full_lattice_meets_the_bound_whatever_its_thicknesses() -> None:
     seven = {name: values[ring[:7]] for name, values in pack.items()}
     for name in ("x", "y"):
         seven[name] = seven[name] - seven[name][0]
-    crowded, _ = block(seven, LAWS)
+    crowded, *_ = block(seven, LAWS)
     most = pack_stiffness(seven, None, LAWS).stiffness.diagonal()[:3]
     assert crowded[2, 2] == pytest.approx(most[2], rel=1e-9)
 
@@ -113,3 +119,41 @@ def test_many_kinds_are_put_together_on_the_safe_side(monkeypatch: pytest.Monkey
         assert closest[-1] <= 1.0 + 1e-12
         assert (count * c * share).max() <= room.damping[i] * (1.0 + 1e-12)
     assert min(closest) > 0.6
+
+
+def test_only_neighbours_that_can_come_count() -> None:
+    # A big disc with one small neighbour near it, and forty tiny ones far off.
+    x = np.concatenate([[0.0, 2500.0], 1e6 + 100.0 * np.arange(40)])
+    radius = np.concatenate([[1000.0, 500.0], np.full(40, 40.0)])
+    pack = discs(x, 0 * x, radius, 1.0)
+    near, far = contact_room(pack, LAWS, 2000.0), contact_room(pack, LAWS)
+    alone = contact_room({name: values[:2] for name, values in pack.items()}, LAWS)
+    assert near.stiffness[0] < 0.2 * far.stiffness[0]
+    # Small and big are all that can meet each other, as if the others were not there; no disc of
+    # its own kind is near either.
+    assert near.stiffness[0] <= alone.stiffness[0] * (1 + 1e-12)
+    assert near.stiffness[0] > 0.0
+    assert contact_room(pack, LAWS, 900.0).stiffness[0] == 0.0
+
+
+def test_discs_that_overlap_count_each() -> None:
+    # More discs around one than find room side by side: all touch it now.
+    angle = 2.0 * np.pi * np.arange(12) / 12
+    x, y = np.append(0.0, 1500.0 * np.cos(angle)), np.append(0.0, 1500.0 * np.sin(angle))
+    pack = discs(x, y, np.full(13, 1000.0), 1.0)
+    room = contact_room(pack, LAWS, 10.0)
+    one = 2.0 * LAWS.contact_modulus * 0.5 / pack["mass"][0]
+    assert room.stiffness[0] == pytest.approx(12 * one, rel=1e-12)
+    assert room.stiffest[0] == pytest.approx(one, rel=1e-12)
+
+
+def test_damping_in_a_step_does_not_grow_with_the_crowd() -> None:
+    # Ever smaller discs around one: their damping adds up, what it takes in a step does not.
+    per_step, damped = [], []
+    for small in (500.0, 100.0, 20.0, 4.0):
+        pack = discs(np.array([0.0, 1000.0 + small]), np.zeros(2), np.array([1000.0, small]), 1.0)
+        room = contact_room(pack, LAWS, 10.0)
+        per_step.append(room.damped_per_step[0])
+        damped.append(room.damping[0])
+    assert max(per_step) < 6 * contactroom.DAMPING_PER_STEP
+    assert damped[-1] > 3 * damped[0]

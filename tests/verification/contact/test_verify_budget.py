@@ -77,7 +77,7 @@ CASES = {"floe on fixed": (floe_on_fixed, 400.0), "floe on floe": (floe_on_floe,
 @pytest.mark.parametrize("name", CASES)
 def test_energy_of_an_impact_is_where_the_ledger_says(log: Path, name: str, exact: bool) -> None:
     make, seconds = CASES[name]
-    runs = [budget(log, make(), 0.1 / 2**k, seconds, exact) for k in range(4)]
+    runs = [budget(log, make(), 0.0625 / 2**k, seconds, exact) for k in range(4)]
     assert all(run["bonds_broken"] > 5 for run in runs)
     for loss in LOSSES:
         assert runs[0][loss] > 0.01 * runs[0]["before"]
@@ -88,7 +88,7 @@ def test_energy_of_an_impact_is_where_the_ledger_says(log: Path, name: str, exac
 
 
 def test_energy_of_two_bodies_that_collide(log: Path, show) -> None:
-    shares = np.append(0.1 / 2.0 ** np.arange(7), 0.001)
+    shares = np.append(0.0625 / 2.0 ** np.arange(7), 0.0006)
     lines, points = {}, {}
     for exact, order, label in ((False, 1, "plain"), (True, 2, "exact_losses")):
         runs = [budget(log, two_bodies(), share, 100.0, exact) for share in shares]

@@ -39,7 +39,8 @@ def scene_of(coast: bool) -> Scene:
             "packing": {"elements": 300, "coast_bonds": coast},
             "effects": ["wind", "ocean_drag", "coast", "friction", "bonds"],
             "time": {"window": WINDOW},
-            "dynamics": {"samples": 1},
+            # Full moduli: what holds hardly gives.
+            "dynamics": {"samples": 1, "stiffness": "full"},
         }
     )
 
