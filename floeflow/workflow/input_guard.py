@@ -18,6 +18,7 @@ from pathlib import Path
 
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError, answer
+from floeflow.coupling.sea.reading import check_sea_file
 from floeflow.forcings.inputs import check_forcing_file
 from floeflow.forcings.window import forcing_files
 from floeflow.masks.mask_file import check_mask_file
@@ -27,7 +28,7 @@ from floeflow.workflow.library import library_digest
 PASSED = Path("results/inputs/passed")
 # Memory and processor time of a check.
 MOST_BYTES, MOST_SECONDS = 12 * 2**30, 600
-KEYS = {"domain", "mask", "forcing", "time", "effects"}
+KEYS = {"domain", "mask", "forcing", "time", "effects", "sea"}
 
 
 def check_inputs(scene: Scene, remember: bool = True) -> None:
@@ -72,7 +73,11 @@ def _digest(scene: Scene) -> str:
     keys = scene.model_dump(mode="json", include=KEYS)
     files = []
     try:
-        given = [scene.mask.file, *forcing_files(scene)]
+        given = [
+            scene.mask.file,
+            *forcing_files(scene),
+            *([scene.sea.file] if scene.sea.file else []),
+        ]
     except FloeError:
         given = [scene.mask.file]
     for name in given:
@@ -94,6 +99,8 @@ def _check() -> str:
     try:
         check_mask_file(scene)
         check_forcing_file(scene)
+        if "mixed_layer" in scene.effects:
+            check_sea_file(scene)
     except MemoryError:
         raise FloeError(
             f"{scene.mask.file}, or the forcing, asks for more than {MOST_BYTES >> 30} GiB"
