@@ -27,6 +27,11 @@ from floeflow.report.figures.inputs import input_maps
 from floeflow.report.figures.style import write_png
 from floeflow.scene.blocks import Scene
 
+FORMULAE = {
+    "analytic": "analytic: cyclone, gyre and weather of the scene",
+    "climatology": "climatology: a synthetic year from monthly tables, with storms of a seed",
+}
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -122,7 +127,7 @@ def _mask_time(scene: Scene, item: Wanted) -> str:
 
 def _of_forcing(scene: Scene) -> list[Finding]:
     if scene.forcing.source != "file":
-        return [Finding("forcing", "analytic: cyclone, gyre and weather of the scene")]
+        return [Finding("forcing", FORMULAE[scene.forcing.source])]
     found = []
     with opened(scene) as sources:
         for name, item in sources.tracks.items():

@@ -242,7 +242,13 @@ def grow(
     return Grown(state, terms, each, time.perf_counter() - began, cpu, found)
 
 
-def warm_up(comm: MPI.Comm, scene: Scene, state: xr.Dataset, forcing: xr.Dataset) -> None:
+def warm_up(
+    comm: MPI.Comm,
+    scene: Scene,
+    state: xr.Dataset,
+    forcing: xr.Dataset,
+    places: SeaPlaces | None = None,
+) -> None:
     """Let the column be compiled, or its compiled code be read, before anything is timed.
 
     One step of no elements: what that takes is the program's start, not a window's cost.
@@ -251,7 +257,7 @@ def warm_up(comm: MPI.Comm, scene: Scene, state: xr.Dataset, forcing: xr.Dataset
         start = float(state.attrs["time"])
         none = state.isel(element=slice(0, 0))
         span = (start, start + min(scene.column.step, scene.time.window))
-        advance_columns(comm, scene, none, forcing, span, none["area"].values)
+        advance_columns(comm, scene, none, forcing, span, none["area"].values, places)
 
 
 def _costs(scene: Scene, ranks: int, motion: Motion, column: tuple[float, float]) -> list[Record]:
@@ -296,7 +302,7 @@ def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
         cpu = {"cpu_seconds": comm.bcast(time.process_time() - used)}
         cost = [Record("forcing", n, comm.size, [spent], extra=cpu)]
         if number == job.done:
-            warm_up(comm, scene, state, forcing)
+            warm_up(comm, scene, state, forcing, places)
             began = time.perf_counter() - cost[0].seconds[0]
         log = folder / "log/windows" / f"{window}.liggghts.log"
         report = _reporter(comm, window)
