@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.column.shortwave.sun import day_of_year, sun_height
+from floeflow.core.sun import day_of_year, sun_height
 from floeflow.core import grids, vectors
 from floeflow.core.errors import FloeError
 from floeflow.forcings import forcing
