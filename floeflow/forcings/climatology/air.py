@@ -24,7 +24,7 @@ HUMID_ICE, HUMID_SEA = 0.95, 0.82
 REACH = 2.5e5
 MELTING_AIR = 273.25  # K
 # Air warmer than this (K) brings rain, colder than the first snow.
-SNOW_BELOW, RAIN_ABOVE = 272.15, 275.15
+SNOW_BELOW, RAIN_ABOVE = 271.15, 273.45
 
 
 def station_field(lon: Array, lat: Array, north: Stations, south: Stations, days: Array) -> Array:

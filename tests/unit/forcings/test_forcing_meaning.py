@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.column.shortwave.sun import day_of_year, sun_height
 from floeflow.core import grids, vectors
 from floeflow.core.errors import FloeError
+from floeflow.core.sun import day_of_year, sun_height
 from floeflow.forcings import forcing
 from floeflow.forcings.inputs import check_forcing_file
 from floeflow.scene.blocks import Scene
