@@ -112,8 +112,8 @@ def read_resolved(path: str | Path) -> Scene:
         Where the file cannot be read or does not hold a scene.
     """
     path = Path(path)
+    keys = read_keys(path)
     try:
-        keys = _keys_of(_read(path))
         keys.setdefault("name", path.stem)
         return Scene.model_validate(keys)
     except ValidationError as error:
@@ -128,7 +128,11 @@ def read_keys(path: str | Path) -> dict[str, Any]:
     FloeError
         Where the file cannot be read or is no mapping; see `load_scene`.
     """
-    return _keys_of(_read(Path(path)))
+    raw = _read(Path(path))
+    try:
+        return _keys_of(raw)
+    except FloeError as error:
+        raise FloeError(f"{path}: {error}") from None
 
 
 def parse_scene(raw: bytes, default_name: str, choose: Chooser | None = None) -> Scene:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import re
 import shutil
@@ -15,6 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import xarray as xr
 import yaml
 
 from floeflow.state.snapshots import read_snapshots
@@ -102,10 +105,22 @@ class Done:
         return self.place.results()
 
 
-def checksums(results: Path) -> list[str]:
-    """Checksums of the states of all windows, from the snapshots that every window leaves."""
+def bits(results: Path) -> dict[int, str]:
+    """A digest for each window of what it left: the elements with their ice.
+
+    Of names and bytes alone: the provenance of a state tells how its run was cut into chunks.
+    """
     snapshots = read_snapshots(sorted((results / "elements").glob("*.nc")))
-    return [str(part.attrs["checksum"]) for part in snapshots]
+    return {int(part.attrs["window"]): digest(part) for part in snapshots}
+
+
+def digest(data: xr.Dataset) -> str:
+    """SHA-256 of the names and bytes of a dataset's variables."""
+    found = hashlib.sha256()
+    for name in sorted(map(str, data.data_vars)):
+        found.update(name.encode())
+        found.update(np.ascontiguousarray(data[name].values).tobytes())
+    return found.hexdigest()
 
 
 def make_place(folder: Path, like: Place | None = None) -> Place:

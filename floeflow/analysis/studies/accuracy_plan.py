@@ -3,9 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from floeflow.analysis.estimate.choose import OUTPUT
 from floeflow.analysis.studies.ablation_plan import NUDGE, REPEATS
 from floeflow.analysis.studies.knobs import Changes, Knob, knobs
 from floeflow.analysis.studies.variants import BASE, Variant
@@ -21,8 +18,6 @@ KEPT = ("element_size",)
 def accuracy_variants(scene: Scene) -> list[Variant]:
     """Runs of the study."""
     drag = scene.dynamics.air_drag
-    # Output changes no result and is compared with the study's own grids.
-    physics = {"effects": [name for name in scene.effects if name not in OUTPUT]}
     runs = [Variant(BASE, label="as the scene has it")]
     for k in range(1, REPEATS + 1):
         nudged = {"dynamics.air_drag": drag * (1.0 + k * NUDGE)}
@@ -36,7 +31,7 @@ def accuracy_variants(scene: Scene) -> list[Variant]:
     for name, move in MOVES.items():
         label = f"all knobs {name}"
         runs.append(Variant(f"all-{name}", _together(scene, move), TOGETHER, label))
-    return [replace(run, changes={**physics, **run.changes}) for run in runs]
+    return runs
 
 
 def _together(scene: Scene, move: int) -> Changes:
