@@ -161,7 +161,7 @@ def test_two_dimensional_ridging_of_an_even_lattice(log: Path) -> None:
     # Rows beside the coast and the rim share with ice of other thickness.
     inner = ~rim & (rows > 2) & (rows < 5) & amid
     lost = (start["area"] - state["area"]).values[inner]
-    np.testing.assert_allclose(lost, 2 * LENGTH * expected, rtol=2e-3)
+    np.testing.assert_allclose(lost, 2 * LENGTH * expected, rtol=3e-3)
 
 
 def mixed_pack(side: int, thin: float, thick: float, seed: int) -> Arrays:
