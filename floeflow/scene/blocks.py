@@ -438,7 +438,7 @@ class Dynamics(Block):
     )
     relative_wind: bool = key(False, "Wind stress from the wind relative to the ice.")
     minimum_thickness: float = key(
-        1.0e-3, "Elements with less ice than this move as if they had this much.", "m", gt=0, le=0.1
+        5.0e-2, "Elements with less ice than this move as if they had this much.", "m", gt=0, le=0.1
     )
     deterministic: bool = key(
         False,
