@@ -99,8 +99,6 @@ check_interpreter() {
 
 # ---- the Python environment ------------------------------------------------------------------
 
-sources=(floeflow preprocess simulate postprocess studies benchmarks tests setup)
-
 venv_version() { sed -n 's/^python //p' "$stamp" 2>/dev/null || :; }
 
 install_venv() {
@@ -138,11 +136,14 @@ restore_venv() {
 # Folders whose sources moved away keep what Python compiled of them, and Python would still import
 # them, as packages without a source.
 sweep() {
-    local cache
-    while IFS= read -r -d '' cache; do
-        compgen -G "${cache%/*}/*.py" >/dev/null || rm -rf "$cache"
-    done < <(find "${sources[@]}" -type d -name __pycache__ -print0)
-    find "${sources[@]}" -mindepth 1 -type d -empty -delete
+    local folder cache
+    for folder in floeflow preprocess simulate postprocess studies benchmarks tests; do
+        [[ -d $folder ]] || continue
+        while IFS= read -r -d '' cache; do
+            compgen -G "${cache%/*}/*.py" >/dev/null || rm -rf "$cache"
+        done < <(find "$folder" -type d -name __pycache__ -print0)
+        find "$folder" -mindepth 1 -type d -empty -delete
+    done
 }
 
 # The project itself, editable: a new module is seen at once, a changed pyproject.toml is not.

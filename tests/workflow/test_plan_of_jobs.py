@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 from graphlib import TopologicalSorter
@@ -73,6 +74,28 @@ def test_three_thousand_jobs_are_planned_in_short_chains(place: Place):
     assert depth(waits) <= 150
     # Looking writes nothing.
     assert not (place.folder / "results").exists()
+
+
+def test_auto_is_decided_once_and_written_for_the_jobs(place: Place):
+    target = "results/smoke/effects.json"
+    scene = place.scene(effects="auto", mask={"land": "mask"})
+    assert place.planned(scene, target) == {"estimate": 1}
+    assert not place.results().exists()
+    done = place.run(scene, target)
+    assert done.returncode == 0, done.stdout
+    resolved = place.results() / "scene.yaml"
+    keys = yaml.safe_load(resolved.read_text())
+    said = json.loads((place.folder / target).read_text())
+    assert said["chosen_by"] == "auto" and said["effects"] == keys["effects"]
+    assert "wind" in keys["effects"] and "walls" not in keys["effects"]
+    # Resolved anew, to the same: nothing is written and nothing is done.
+    before = resolved.stat().st_mtime_ns
+    assert "Nothing to be done" in place.run(scene, target).stdout
+    assert resolved.stat().st_mtime_ns == before
+    # Named, the same effects are chosen by the scene.
+    named = place.scene(effects=keys["effects"], mask={"land": "mask"})
+    done = place.run(named, target)
+    assert json.loads((place.folder / target).read_text())["chosen_by"] == "scene"
 
 
 def test_the_workflow_runs_as_a_module_of_another(place: Place):

@@ -229,8 +229,7 @@ def test_auto_chooses_and_says_why(tmp_path: Path):
     path.write_text(text)
     scene = resolve_scene(path)
     assert scene.auto and not load_scene(SMOKE).auto
-    said = estimates(scene)
-    assert said["chosen_by"] == "auto"
+    said = estimates(scene, "auto")
     named = {row["name"] for row in said["estimates"] if row["named"]}
     assert named == set(scene.effects) == set(said["effects"])
     assert "wind" in named

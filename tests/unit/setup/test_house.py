@@ -95,6 +95,25 @@ def test_lint_runs_the_contract(project: Path):
     assert re.search(r"^all=\(.*\bimports\b.*\)$", text, re.M)
 
 
+PATH = re.compile(
+    r"`((?:floeflow|liggghts_models|workflows|tests|setup|benchmarks|config)/[\w./-]+)`"
+)
+
+
+def test_documents_name_files_that_are_there(project: Path):
+    pages = [project / "README.md", *(project / "docs").rglob("*.md")]
+    named = {(page.name, path) for page in pages for path in PATH.findall(page.read_text())}
+    assert len(named) > 50
+    made = {"build", "results"}
+    lost = [
+        (page, path)
+        for page, path in sorted(named)
+        if not (project / path).exists() and path.split("/")[0] not in made
+    ]
+    # A user writes this one in the tutorial.
+    assert [entry for entry in lost if entry[1] != "config/scenes/mine.yaml"] == []
+
+
 @pytest.fixture(scope="module")
 def wheel(project: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """``bin`` of an environment that has only the wheel, beside the packages that it needs."""

@@ -241,6 +241,38 @@ def test_nothing_is_done_twice(machine: Machine) -> None:
     ]
 
 
+def test_a_changed_project_is_installed_anew_without_what_the_old_left(machine: Machine) -> None:
+    assert machine.install().returncode == 0
+    project, site = machine.project, machine.project / ".venv/lib/python3.11/site-packages"
+    stale = [
+        project / "floeflow.egg-info/SOURCES.txt",
+        site / "__editable___floeflow_0_1_0_finder.py",
+        site / "__editable__.floeflow-0.1.0.pth",
+    ]
+    for path in (*stale, site / "__editable__.other-1.pth"):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    assert machine.install().returncode == 0
+    assert not [call for call in machine.calls() if "--editable" in call]
+    assert all(path.exists() for path in stale)
+    with (project / "pyproject.toml").open("a") as file:
+        file.write("\n# changed\n")
+    assert machine.install().returncode == 0
+    assert len([call for call in machine.calls() if "--editable ." in call]) == 1
+    assert not [path for path in stale if path.exists()]
+    assert (site / "__editable__.other-1.pth").exists()
+
+
+def test_what_python_compiled_of_moved_sources_is_swept(machine: Machine) -> None:
+    library = machine.project / "floeflow"
+    for name in ("there/__pycache__/a.pyc", "gone/deep/__pycache__/b.pyc", "there/a.py"):
+        (library / name).parent.mkdir(parents=True, exist_ok=True)
+        (library / name).touch()
+    assert machine.install().returncode == 0
+    assert (library / "there/__pycache__/a.pyc").exists()
+    assert not (library / "gone").exists()
+
+
 def test_a_moved_project_is_set_up_anew(machine: Machine, tmp_path: Path) -> None:
     assert machine.install().returncode == 0
     machine.project = machine.project.rename(tmp_path / "moved")
