@@ -185,7 +185,9 @@ def draw_discs(axes: Axes, packing: xr.Dataset, bonds: xr.Dataset | None) -> Non
             places[row] + np.stack([bonds[f"bond_lo_{end}{axis}"] for axis in "xy"], axis=1) / 1e3
             for end in "ab"
         ]
-        lines = LineCollection(np.stack(ends, axis=1), colors="#c0392b", linewidths=0.9, zorder=5)
+        lines = LineCollection(
+            list(np.stack(ends, axis=1)), colors="#c0392b", linewidths=0.9, zorder=5
+        )
         axes.add_collection(lines)
 
 
