@@ -67,7 +67,7 @@ def test_a_strait_stays_open() -> None:
     assert crossing.shape[1] == 0
     # The channel of one cell between the two lands: no line crosses its middle.
     x = (np.arange(8, 18) + 0.5) * SIDE
-    middle = shapely.linestrings([[(at, 41.0 * SIDE - at) for at in (x[0], x[-1])]])
+    middle = shapely.linestrings([[(at, 41.5 * SIDE - at) for at in (x[0], x[-1])]])
     assert shapely.intersects(lines, middle).sum() == 0
 
 
