@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
-.PHONY: help setup run test verification stability fuzz lint bench-dem bench-column bench-remap bench-plan bench studies doctor test-fresh lock clean
+.PHONY: help setup run test verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -45,6 +45,9 @@ fuzz: setup ## fuzz the reader of states for FUZZ_SECONDS=300, what breaks it la
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh
 
+gallery: setup ## draw the packings of the example scenes and docs/gallery.md (minutes)
+	.venv/bin/python -m floeflow.analysis.gallery
+
 bench-dem: setup ## time the element model beside stock LIGGGHTS, on 1 and 2 ranks
 	.venv/bin/python benchmarks/dem.py
 
@@ -55,10 +58,13 @@ bench-remap: setup ## time the transfers between elements and grids, beside binc
 	.venv/bin/python benchmarks/remap.py
 	.venv/bin/python benchmarks/remap_elements.py
 
+bench-packing: setup ## time packings of up to a million elements beside one Delaunay triangulation
+	.venv/bin/python benchmarks/packing.py
+
 bench-plan: setup ## compare plans with held-out scenes
 	.venv/bin/python benchmarks/plan.py
 
-bench: bench-dem bench-column bench-remap bench-plan ## all benchmarks, and a table of accuracy against cost
+bench: bench-dem bench-column bench-remap bench-packing bench-plan ## all benchmarks, and a table of accuracy against cost
 	.venv/bin/python benchmarks/collect.py
 
 studies: setup ## ablation and accuracy of the example scenes, and docs/studies.md (an hour)

@@ -12,7 +12,8 @@ def main(snakemake: Snakemake) -> None:
     scene = scene_of(snakemake)
     land = None
     if scene.mask.land == "global_land_mask":
-        land = read_dataset(snakemake.input.land)["land_fraction"].values
+        # All or nothing: straits are open, inland seas are land.
+        land = read_dataset(snakemake.input.land)["land"].values.astype(float)
     mask = make_mask(scene, land)
     if "mixed_layer" in scene.effects:
         mask = with_sea(scene, mask)

@@ -94,7 +94,7 @@ def _polygon(feature: dict[str, Any], name: str) -> shapely.Geometry:
 def project(polygon: shapely.Geometry, crs: str, name: str) -> shapely.Geometry:
     """Bring a polygon of longitudes and latitudes to a projection.
 
-    Sides are divided first, along the straight lines of the file in longitude and latitude.
+    Sides are divided first, along straight lines in longitude and latitude.
 
     Raises
     ------
@@ -105,13 +105,21 @@ def project(polygon: shapely.Geometry, crs: str, name: str) -> shapely.Geometry:
     assert target.geodetic_crs is not None
     transformer = pyproj.Transformer.from_crs(target.geodetic_crs, target, always_xy=True)
 
-    def move(xy: Array) -> Array:
+    def moved(ring: shapely.LinearRing) -> Array:
+        xy = shapely.get_coordinates(ring)
+        # A side goes the short way round, also over the antimeridian; a ring may go round the pole.
+        xy[:, 0] = np.unwrap(xy[:, 0], period=360.0)
+        xy = shapely.get_coordinates(shapely.segmentize(shapely.LineString(xy), LONGEST_SIDE))
         return np.stack(transformer.transform(np.mod(xy[:, 0], 360.0), xy[:, 1]), axis=1)
 
-    moved = shapely.transform(shapely.segmentize(polygon, LONGEST_SIDE), move)
-    if not np.isfinite(shapely.get_coordinates(moved)).all():
-        raise FloeError(f"{name} lies outside of the projection '{target.name}'")
-    return shapely.make_valid(moved, method="structure", keep_collapsed=False)
+    parts = []
+    for part in shapely.get_parts(polygon):
+        shell, holes = moved(part.exterior), [moved(ring) for ring in part.interiors]
+        if not all(np.isfinite(ring).all() for ring in (shell, *holes)):
+            raise FloeError(f"{name} lies outside of the projection '{target.name}'")
+        parts.append(shapely.Polygon(shell, holes))
+    valid = shapely.make_valid(parts, method="structure", keep_collapsed=False)
+    return shapely.union_all(valid)
 
 
 def within(polygon: shapely.Geometry, x: Array, y: Array) -> NDArray[np.bool_]:

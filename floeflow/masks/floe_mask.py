@@ -25,7 +25,9 @@ log = logging.getLogger(__name__)
 ROUND_OFF = 1.0e-9
 
 
-def floe_mask(floes: Floes, grid: Grid, land: Flags) -> tuple[Array, xr.Dataset]:
+def floe_mask(
+    floes: Floes, grid: Grid, land: Flags, region: Flags | None = None
+) -> tuple[Array, xr.Dataset]:
     """Ice concentration of floes, and the floes themselves.
 
     Parameters
@@ -36,6 +38,8 @@ def floe_mask(floes: Floes, grid: Grid, land: Flags) -> tuple[Array, xr.Dataset]
         The mask grid.
     land : ndarray
         Its cells of land, (ny, nx): a pixel that touches one holds no floe.
+    region : ndarray, optional
+        Cells that cut the scene, (ny, nx): a floe that touches another cell is left out.
 
     Returns
     -------
@@ -52,6 +56,9 @@ def floe_mask(floes: Floes, grid: Grid, land: Flags) -> tuple[Array, xr.Dataset]
     if (ashore & (floes.numbers > 0)).any():
         lost = (ashore & (floes.numbers > 0)).sum() / (floes.numbers > 0).sum()
         log.warning("%.2g %% of the floes' area lies on land cells and is left out", 100 * lost)
+    if region is not None and not region.all():
+        beyond = ((up.T @ (~region).astype(float)) @ across) > ROUND_OFF * floes.grid.spacing**2
+        numbers[np.isin(numbers, np.unique(numbers[beyond]))] = 0
     covered = (up @ (numbers > 0).astype(float)) @ across.T
     siconc = np.clip(covered / grid.spacing**2, 0.0, 1.0)
     pixels = xr.Dataset(

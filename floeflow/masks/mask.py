@@ -19,6 +19,7 @@ from floeflow.masks.floe_mask import floe_mask
 from floeflow.masks.labels import read_labels
 from floeflow.masks.mask_file import MaskFile, read_mask_file
 from floeflow.masks.pole_hole import LOWEST, RIM, find_hole, rim_mean
+from floeflow.masks.regions import region_cells, shore_cells
 from floeflow.masks.thickness import CELL_MEAN
 from floeflow.scene.blocks import Scene
 
@@ -97,6 +98,8 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     crs = scene_crs(scene.domain)
     if scene.packing.generator == "floes":
         return _make_floe_mask(scene, grid, land_fraction)
+    if scene.mask.uniform > 0.0:
+        return _make_uniform_mask(scene, grid, land_fraction)
     lon, lat = to_lonlat(crs, *grid.mesh())
     file = read_mask_file(scene)
     transfer = area_means.transfer(file.source, grid, crs, lon, lat)
@@ -107,6 +110,7 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
         land = _land_of_file(placed) >= scene.mask.land_fraction
     else:
         land = land_fraction >= scene.mask.land_fraction
+    land |= _shore(scene, grid)
     siconc = np.clip(placed.to_grid(placed.share), 0.0, 1.0)
     covered = (transfer.inside.reshape(grid.shape) | placed.beyond).mean()
     if covered < 1.0:
@@ -115,6 +119,7 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
             "water"
         )
     siconc[land | (siconc < scene.mask.minimum_concentration)] = 0.0
+    siconc[~_region(scene, grid)] = 0.0
     siconc, sithick = _with_thickness(scene, placed, siconc)
     area = cell_area(grid, crs)
     for note in notes:
@@ -130,14 +135,45 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     return made
 
 
+def _shore(scene: Scene, grid: Grid) -> Flags:
+    """Land of the user's shoreline, (ny, nx)."""
+    if not scene.mask.shoreline:
+        return np.zeros(grid.shape, dtype=bool)
+    return shore_cells(scene.mask.shoreline, grid, scene.domain.crs)
+
+
+def _region(scene: Scene, grid: Grid) -> Flags:
+    """Cells of the region that cuts the scene, (ny, nx)."""
+    if not scene.mask.region:
+        return np.ones(grid.shape, dtype=bool)
+    return region_cells(scene.mask.region, grid, scene.domain.crs)
+
+
+def _known_land(scene: Scene, grid: Grid, land_fraction: Array | None) -> Flags:
+    """Land without a mask file that would tell it, (ny, nx)."""
+    land = _shore(scene, grid)
+    return land if land_fraction is None else land | (land_fraction >= scene.mask.land_fraction)
+
+
+def _make_uniform_mask(scene: Scene, grid: Grid, land_fraction: Array | None) -> xr.Dataset:
+    """Mask of one concentration on all water of the region."""
+    land = _known_land(scene, grid, land_fraction)
+    siconc = np.where(~land & _region(scene, grid), scene.mask.uniform, 0.0)
+    rule = scene.mask.thickness_rule == "constant"
+    thick = scene.mask.ice_thickness * (1.0 if rule else scene.mask.uniform)
+    sithick = np.where(siconc > 0, thick, 0.0)
+    area = cell_area(grid, scene_crs(scene.domain))
+    made = _dataset(scene, grid.x, grid.y, siconc, sithick, land, area)
+    made.attrs["notes"] = ""
+    return made
+
+
 def _make_floe_mask(scene: Scene, grid: Grid, land_fraction: Array | None) -> xr.Dataset:
     """Mask of a labelled image: concentration is the share that floes cover."""
-    if land_fraction is None:
-        land = np.zeros(grid.shape, dtype=bool)
-    else:
-        land = land_fraction >= scene.mask.land_fraction
+    land = _known_land(scene, grid, land_fraction)
     floes = read_labels(scene.mask.labels, scene.domain)
-    siconc, pixels = floe_mask(floes, grid, land)
+    # Floes are whole: a region leaves out those that reach beyond it.
+    siconc, pixels = floe_mask(floes, grid, land, _region(scene, grid))
     sithick = np.where(siconc > 0, scene.mask.ice_thickness, 0.0)
     area = cell_area(grid, scene_crs(scene.domain))
     made = _dataset(scene, grid.x, grid.y, siconc, sithick, land, area).merge(pixels)

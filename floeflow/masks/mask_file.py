@@ -177,6 +177,7 @@ def check_mask_file(scene: Scene) -> None:
     to_lonlat(scene_crs(scene.domain), *scene_grid(scene.domain).mesh())
     if scene.packing.generator == "floes":
         read_labels(scene.mask.labels, scene.domain)
+    if scene.packing.generator == "floes" or scene.mask.uniform > 0.0:
         return
     path = Path(scene.mask.file)
     if not scene.mask.file:

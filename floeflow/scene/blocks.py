@@ -162,6 +162,17 @@ class Mask(Block):
         0.2, "Snow on the ice at the start (read with thermodynamics).", "m", ge=0, le=5
     )
     labels: Labels = key(Labels(), "Labelled image of floes.")
+    uniform: float = key(
+        0.0, "Concentration of all water, instead of a file; 0: the file.", "1", ge=0, le=1
+    )
+    region: str = key(
+        "",
+        "Ice is kept inside of this only: a named sea (docs/masks.md) or a GeoJSON file of "
+        "polygons, path from the project's folder.",
+    )
+    shoreline: str = key(
+        "", "GeoJSON file of polygons that are land too, path from the project's folder."
+    )
 
 
 class Sizes(Block):

@@ -64,6 +64,11 @@ def _check_generator(scene: Scene) -> None:
     generator, labels = scene.packing.generator, scene.mask.labels
     if generator == "floes" and not labels.file:
         raise FloeError("packing.generator is 'floes' but mask.labels.file names no image of floes")
+    if scene.mask.uniform > 0.0 and (generator == "floes" or scene.mask.land == "mask"):
+        raise FloeError(
+            "mask.uniform is ice without a file: it goes with neither packing.generator 'floes' "
+            "nor mask.land 'mask'"
+        )
     if generator == "floes" and scene.mask.land == "mask":
         raise FloeError("mask.land is 'mask', but a labelled image of floes shows no land")
     if generator != "floes" and labels != type(labels)():

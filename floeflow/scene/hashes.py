@@ -19,7 +19,7 @@ from floeflow.scene.effects import forcing_variables
 # are more jobs, never other ones.
 FORCING_VARIABLES = "effects: forcing variables"
 STAGE_KEYS: dict[str, tuple[str, ...]] = {
-    "land": ("domain", "mask.refine", "mask.land"),
+    "land": ("domain", "mask.refine", "mask.land", "mask.land_fraction"),
     "mask": (
         *("domain", "mask", "packing.generator", "time.start", "effects.mixed_layer"),
         *("sea.file", "sea.temperature", "sea.salinity"),

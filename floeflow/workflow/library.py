@@ -24,6 +24,7 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "diagnostics": ("diagnostics",),
     "trajectory": ("diagnostics",),
     "mesh": ("diagnostics",),
+    "coast": ("packings",),
     "estimate": ("masks", "forcings", "analysis"),
     "report": ("diagnostics", "report"),
     "studies": ("analysis", "report"),

@@ -47,9 +47,11 @@ def made(stage, name, effect=None):
 
 
 def mask_file(wildcards):
-    """The user's ice mask, or labelled image of floes."""
+    """The user's ice mask or labelled image of floes, shoreline and region; none for uniform ice."""
     mask = SCENES.scene(wildcards.scene).mask
-    return mask.labels.file or mask.file
+    ice = mask.labels.file or ("" if mask.uniform else mask.file)
+    region = mask.region if mask.region.endswith("json") else ""
+    return [path for path in (ice, mask.shoreline, region) if path]
 
 
 def land_file(wildcards):

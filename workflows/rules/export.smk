@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """On request only, no part of the report: files for OVITO, MDAnalysis and ParaView.
 
-.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh
+.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh coast
 """
 
 
@@ -61,3 +61,32 @@ rule mesh_files:
         "Mesh: the elements' cells at all window boundaries"
     script:
         "../../postprocess/mesh_files.py"
+
+
+rule coast:
+    input:
+        f"{RESULTS}/mesh/coast.stl",
+        f"{RESULTS}/mesh/coast.vtu",
+
+
+rule coast_files:
+    input:
+        mask=made("mask", "preprocess/mask.nc"),
+        packing=made("packing", "preprocess/packing.nc"),
+    output:
+        wall="results/{scene}/mesh/coast.stl",
+        view="results/{scene}/mesh/coast.vtu",
+    log:
+        "results/{scene}/log/coast.log",
+    benchmark:
+        "results/{scene}/benchmarks/coast.tsv"
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        scene_keys=keys_of("mesh"),
+        library=library_digest("coast"),
+    message:
+        "Coast: land as a wall mesh, simplified to the size of the elements"
+    script:
+        "../../postprocess/coast_files.py"

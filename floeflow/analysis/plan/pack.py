@@ -43,7 +43,7 @@ def fitted_to_pack(scene: Scene, c: Conditions, fit: Coefficients) -> Coefficien
     scene = scene.model_copy(update={"packing": keys})
     land = None
     if scene.mask.land == "global_land_mask":
-        land = make_land(scene)["land_fraction"].values
+        land = make_land(scene)["land"].values.astype(float)
     mask = make_mask(scene, land)
     packing = make_packing(mask, keys, scene.seed, "coast" in scene.effects)
     bonds = None

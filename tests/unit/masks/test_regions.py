@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Uniform ice, regions that cut it, shorelines of the user's."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from floeflow.core.errors import FloeError
+from floeflow.core.grids import mask_grid, scene_crs, to_lonlat
+from floeflow.masks.mask import make_mask
+from floeflow.masks.regions import SEAS, region_cells
+from floeflow.scene import Scene, parse_scene
+from floeflow.scene.blocks import Domain
+
+
+def scene_of(**mask: object) -> Scene:
+    keys = {"name": "t", "mask": {"uniform": 0.8, "land": "none", "refine": 1} | mask}
+    return parse_scene(json.dumps(keys).encode(), "t")
+
+
+def square(path: Path, x: float, y: float, half: float) -> str:
+    """GeoJSON of a square on the map."""
+    side = np.linspace(-1, 1, 200)
+    one, last = np.ones(200), side[::-1]
+    sides = [(side, -one), (one, side), (last, one), (-one, last)]
+    corners = np.concatenate([np.stack(pair, axis=1) for pair in sides]) * half + [x, y]
+    corners[-1] = corners[0]
+    lon, lat = to_lonlat(scene_crs(Domain()), *corners.T)
+    ring = np.stack([lon, lat], axis=1).tolist()
+    path.write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+    return str(path)
+
+
+def test_uniform_ice_needs_no_file() -> None:
+    mask = make_mask(scene_of(), None)
+    assert (mask["siconc"].values == 0.8).all()
+    assert mask["sithick"].values == pytest.approx(1.6)
+
+
+def test_a_region_keeps_ice_inside_alone(tmp_path: Path) -> None:
+    mask = make_mask(scene_of(region=square(tmp_path / "a.json", 1.5e6, -1.5e6, 1e6)), None)
+    x, y = np.meshgrid(mask["x"], mask["y"])
+    inside = (abs(x - 1.5e6) < 1e6) & (abs(y + 1.5e6) < 1e6)
+    np.testing.assert_array_equal(mask["siconc"].values > 0, inside)
+    assert (mask["land"].values == 0).all()
+
+
+def test_a_shoreline_is_land(tmp_path: Path) -> None:
+    mask = make_mask(scene_of(shoreline=square(tmp_path / "a.json", 0.0, 0.0, 6e5)), None)
+    x, y = np.meshgrid(mask["x"], mask["y"])
+    inside = (abs(x) < 6e5) & (abs(y) < 6e5)
+    np.testing.assert_array_equal(mask["land"].values > 0, inside)
+    assert (mask["siconc"].values[inside] == 0).all()
+
+
+@pytest.mark.parametrize("name", SEAS)
+def test_named_seas_lie_where_their_box_says(name: str) -> None:
+    west, east, south, north = SEAS[name]
+    crs = "EPSG:6931" if south > 0 else "EPSG:6932"
+    domain = Domain(crs=crs, x_min=-6e6, x_max=6e6, y_min=-6e6, y_max=6e6)
+    grid = mask_grid(domain, 1)
+    lon, lat = to_lonlat(scene_crs(domain), *grid.mesh())
+    inside = (np.mod(lon - west, 360.0) < east - west) & (lat > south) & (lat < north)
+    found = region_cells(name, grid, crs)
+    # Cells beside the sides may go either way.
+    assert (found != inside).sum() <= 0.02 * inside.sum() + 2
+    assert found.sum() >= 50
+
+
+def test_what_is_no_region_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FloeError, match="did you mean 'barents_sea'"):
+        make_mask(scene_of(region="barent_sea"), None)
+    with pytest.raises(FloeError, match="neither a named sea nor a GeoJSON file"):
+        make_mask(scene_of(region="x"), None)
+    with pytest.raises(FloeError, match="'weddell_sea' lies"):
+        make_mask(scene_of(region="weddell_sea"), None)
+    with pytest.raises(FloeError, match="no.json: cannot be read"):
+        make_mask(scene_of(shoreline=str(tmp_path / "no.json")), None)
+    with pytest.raises(FloeError, match="mask.uniform is ice without a file"):
+        scene_of(land="mask")
