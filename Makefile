@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
-.PHONY: help setup run test verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench studies doctor test-fresh lock clean
+.PHONY: help setup run year test verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -24,6 +24,9 @@ setup: ## install what is missing and build the plugin
 run: setup ## set up, then run SCENE= and print where its report lies
 	@.venv/bin/snakemake --profile workflows/profiles/local \
 	    --config "scene=$$SCENE" $(if $(RANKS),--cores "$$RANKS" --set-threads "windows=$$RANKS")
+
+year: ## run the Arctic for a year with every effect, and print where its report lies
+	@$(MAKE) run SCENE=config/scenes/arctic_year.yaml
 
 test: setup lint ## set up, then run lint and every test but the slow ones
 	ctest --test-dir build/liggghts_models --output-on-failure
