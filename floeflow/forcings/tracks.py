@@ -52,6 +52,13 @@ ERA5_MEANS = {
 }
 
 
+def era5_mean(variable: cf.Variable) -> bool:
+    """Whether a variable is one of ERA5's mean rates, which are of the hour before their stamp."""
+    short = variable.text("GRIB_shortName") or variable.name
+    named = short.startswith("avg_") or short in ERA5_MEANS
+    return named or variable.text("GRIB_stepType") == "avg"
+
+
 @dataclass
 class InputFile:
     """An open file, its variables, and the grids that were read from it."""
@@ -176,7 +183,7 @@ class Track:
         }  # fmt: skip
         if "point" in over_time or self.variable.text("GRIB_stepType") == "instant":
             return "instant"
-        if self.bounds is not None or self._era5_mean():
+        if self.bounds is not None or era5_mean(self.variable):
             return "mean"
         if "mean" in over_time:
             log.warning(
@@ -185,14 +192,6 @@ class Track:
                 self.name,
             )
         return "instant"
-
-    def _era5_mean(self) -> bool:
-        short = self.variable.text("GRIB_shortName") or self.name
-        return (
-            short.startswith("avg_")
-            or short in ERA5_MEANS
-            or self.variable.text("GRIB_stepType") == "avg"
-        )
 
     @property
     def where(self) -> tuple[Path, str]:

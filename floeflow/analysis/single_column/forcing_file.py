@@ -26,7 +26,7 @@ from floeflow.forcings import cf_variables as names
 from floeflow.forcings.accumulate import rates
 from floeflow.forcings.moisture import dew_point_humidity, snow_of_precipitation
 from floeflow.forcings.sources import SUBSTITUTES
-from floeflow.forcings.tracks import GAP
+from floeflow.forcings.tracks import GAP, era5_mean
 
 ALWAYS = ("air_temperature", "specific_humidity", "air_pressure", "longwave_down")
 WITH_PROCESS = {"snow": "snowfall", "shortwave": "shortwave_down"}
@@ -109,6 +109,17 @@ class Reader:
             midnight = -(3600.0 * since.hour + 60.0 * since.minute + since.second)
             plan = rates(seconds, span, self.accumulation, midnight, where)
             seconds, values = plan.seconds, plan.of(values[plan.index][:, None])[:, 0]
+        elif era5_mean(variable):
+            hourly = np.abs(np.diff(seconds) - 3600.0).max(initial=0.0) < 1.0
+            if variable.text("GRIB_stepType") == "avg" and not hourly and not self.accumulation:
+                raise FloeError(
+                    f"{self.path}: '{variable.name}' is a mean over time and its records are not "
+                    "hourly: say in --accumulation over what"
+                )
+            step = (
+                3600.0 if self.accumulation in ("", "hour") else float(np.median(np.diff(seconds)))
+            )
+            seconds = seconds - 0.5 * step
         values = factor * values + offset
         slack = (3e-4 if summed else 1e-6) * (high - low)
         bad = ~((values >= low - slack) & (values <= high + slack))

@@ -97,6 +97,16 @@ def test_sums_and_dew_points_become_what_the_column_takes(forcing: Path):
     assert "snowfall" not in forcing_of(given, settings_of(asked(forcing, "--without", "snow")))(0)
 
 
+def test_mean_rates_are_of_the_hour_before(tmp_path: Path):
+    data = era5().drop_vars("ssrd")
+    # The mean of the hour up to h of light that grows by 2 W/m2 an hour is that of h - 1/2.
+    data["avg_sdswrf"] = ("valid_time", 2.0 * (HOURS - 0.5) + 1.0, {"units": "W m**-2"})
+    data.to_netcdf(tmp_path / "era5.nc")
+    given = asked(tmp_path / "era5.nc")
+    values = forcing_of(given, settings_of(given))(2.0 * 86400.0)
+    assert values["shortwave_down"][0] == pytest.approx(2.0 * 48.0 + 1.0, rel=1e-9)
+
+
 def test_the_nearest_point_of_a_grid_is_taken(forcing: Path, tmp_path: Path):
     point = era5()
     other = point.copy(deep=True)
