@@ -300,7 +300,7 @@ _REGISTERED = (
         name="grid_output",
         physics="Fields of the ice on the scene's grid at each window boundary, as CF NetCDF.",
         source="shares of area, balanced: Sinkhorn & Knopp 1967",
-        rules=("grid",),
+        rules=("fields", "grid"),
         figures=("grid_",),
     ),
     Effect(

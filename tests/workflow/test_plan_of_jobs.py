@@ -130,8 +130,7 @@ def test_a_plugin_may_be_named(place: Place, monkeypatch: pytest.MonkeyPatch):
     other = place.folder / "mine.so"
     other.symlink_to(PROJECT / "build/liggghts_models/libfloe.so")
     monkeypatch.setenv("FLOEFLOW_PLUGIN", str(other))
-    # A summary names the inputs of each file that is there or would be.
-    done = place.run(scene, "-D", target)
+    done = place.run(scene, "--filegraph", target)
     assert done.returncode == 0 and str(other) in done.stdout, done.stdout
     monkeypatch.setenv("FLOEFLOW_PLUGIN", "/nowhere/libfloe.so")
     done = place.run(scene, "-n", target)

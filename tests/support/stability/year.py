@@ -127,7 +127,8 @@ def make_scene(
     """
     text = yaml.safe_load((project / "config/scenes/smoke.yaml").read_text())
     path = place / "year.nc"
-    text["mask"]["file"] = str(project / "data/oisst_arctic_1981-12-31.nc")
+    # The ice of another year's winter is as good a start as any.
+    text["mask"] |= {"file": str(project / "data/oisst_arctic_1981-12-31.nc"), "days_off": 1000.0}
     text |= {
         "time": {"start": start, "windows": windows, "window": DAY},
         "forcing": {**text["forcing"], "step": DAY, "source": "file", "file": str(path)},
