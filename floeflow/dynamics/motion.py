@@ -18,6 +18,7 @@ from floeflow.core.collective import on_root
 from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
 from floeflow.dynamics.engine.energy_check import check_energy
 from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.engine.setup import within_reach
 from floeflow.dynamics.ridging.overlaps import rest_overlaps
 from floeflow.dynamics.ridging.ridging import close_areas
 from floeflow.dynamics.step.critical import critical_step
@@ -189,6 +190,8 @@ def move(
     if not (elements["type"] == MOBILE).any():
         return _still(scene, state)
     bonds = pair_arrays(state, "bond") if "bonds" in scene.effects else None
+    if bonds is not None:
+        bonds = within_reach(elements, bonds, engine_params(scene))
     # On one rank: eigenvalues from unlike processors may differ in their last bit.
     way = nearing(scene, elements, forcing)
     step, between, limited_by = on_root(comm, choose_step, scene, elements, bonds, way)

@@ -126,6 +126,18 @@ def bond_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> float:
     return float(reach[worst]) * 1.002
 
 
+def within_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> Arrays:
+    """Bonds that neighbour lists can hold; those of discs too small for their lines are let go.
+
+    Where ridges use up elements these join others before (`remesh/absorb.py`); what is left are
+    bonds of elements that have none to join, as with the coast.
+    """
+    if len(bonds["id_lo"]) == 0:
+        return bonds
+    held = pair_reach(elements, bonds, params) <= LONGEST_REACH
+    return {name: values[held] for name, values in bonds.items()}
+
+
 def pair_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> np.ndarray:
     """Furthest that the centres of each bonded pair can be, over the sum of its radii, (m,)."""
     ids = elements["id"]

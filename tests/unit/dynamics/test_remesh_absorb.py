@@ -8,11 +8,12 @@ import pytest
 import xarray as xr
 
 from floeflow.dynamics.engine.params import EngineParams
+from floeflow.dynamics.engine.setup import LONGEST_REACH, bond_reach, within_reach
 from floeflow.dynamics.remesh.absorb import absorbed
 from floeflow.dynamics.remesh.merge import merge
 from floeflow.state.bonds import new_bonds
 from floeflow.state.schema import check_state
-from support.rafts import lattice
+from support.rafts import bonded, lattice
 from unit.state.test_state import a_state
 
 EFFECTS = ("friction", "bonds", "ridging", "thermodynamics", "snow")
@@ -75,6 +76,16 @@ def test_what_cannot_go_on_joins_a_neighbour(kind: str) -> None:
     check_state(joined)
     assert joined.sizes["element"] == 29
     np.testing.assert_allclose(totals(joined), totals(state), rtol=1e-14)
+
+
+def test_bonds_that_no_list_can_hold_are_let_go() -> None:
+    raft = lattice(6, 5)
+    table = bonded(raft)
+    assert len(within_reach(raft, table, LAWS)["id_lo"]) == len(table["id_lo"])
+    small = raft | {"radius": np.where(raft["id"] == 15, 0.05, 0.3) * raft["radius"]}
+    kept = within_reach(small, table, LAWS)
+    assert 0 < len(kept["id_lo"]) < len(table["id_lo"])
+    assert bond_reach(small, kept, LAWS) <= LONGEST_REACH * 1.01
 
 
 def test_one_that_is_alone_stays_however_small() -> None:
