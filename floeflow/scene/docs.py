@@ -14,6 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from floeflow.scene.blocks import Scene
+from floeflow.scene.plugin_defaults import plugin_defaults
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -160,4 +161,5 @@ def documents() -> dict[Path, str]:
         PROJECT / "config/README.md": readme(),
         PROJECT / "config/default.yaml": default_yaml(),
         PROJECT / "workflows/schemas/scene.schema.json": json_schema(),
+        PROJECT / "liggghts_models/laws/defaults.h": plugin_defaults(),
     }

@@ -11,17 +11,23 @@ extern "C" {
 #endif
 
 const char *floe_error(void);
+// Version of this interface, raised whenever a function or an array changes its meaning; Python
+// compares it and the columns when it loads the plugin (local).
+#define FLOE_INTERFACE 2
+int floe_interface(void);
+// Columns of elements, bonds and contacts, separated by blanks, the three by semicolons (local).
+const char *floe_layout(void);
 int floe_open(int argc, char **argv, void *comm, void **instance);  // comm: pointer to an MPI_Comm
-void floe_close(void *instance);
+int floe_close(void *instance);
 int floe_command(void *instance, const char *line);
-void floe_set_start_time(void *instance, double seconds);  // local
+int floe_set_start_time(void *instance, double seconds);  // local
 
 // Elements. columns: x y theta u v omega radius mass thickness ice_area ridged_area, and the impulses
 // of wind (x, y) and ocean (x, y), one row per element.
 int floe_create_elements(void *instance, long long n, const long long *id, const signed char *type,
                          const double *columns);
-long long floe_count_elements(void *instance);                                              // local
-void floe_get_elements(void *instance, long long *id, signed char *type, double *columns);  // local
+long long floe_count_elements(void *instance);                                             // local
+int floe_get_elements(void *instance, long long *id, signed char *type, double *columns);  // local
 
 // Pairs, by (lower id, higher id), one row each. bond columns: span thickness crack_a crack_b lo_ax
 // lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by; contact columns: slip rest_overlap, then closing, thickness and
@@ -29,9 +35,9 @@ void floe_get_elements(void *instance, long long *id, signed char *type, double 
 // A pair that is in no neighbour list is not taken in.
 int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, const double *bond,
                    long long contacts, const long long *contact_ids, const double *contact);
-void floe_count_pairs(void *instance, long long *bonds, long long *contacts);  // local
-void floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
-                    double *contact);  // local
+int floe_count_pairs(void *instance, long long *bonds, long long *contacts);  // local
+int floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
+                   double *contact);  // local
 
 // Walls (after the command "fix ID all floe/walls"). Faces: integers wall plane before after, columns ax ay
 // bx by (m, at time 0) u v (m/s); see laws/wall.h. Contacts: ids element face, columns slip rest_overlap
@@ -41,9 +47,9 @@ int floe_set_walls(void *instance, long long walls, long long n, const long long
                    const double *columns);
 int floe_put_wall_contacts(void *instance, long long n, const long long *ids,
                            const double *columns);
-long long floe_count_wall_contacts(void *instance);                            // local
-void floe_get_wall_contacts(void *instance, long long *ids, double *columns);  // local
-void floe_wall_forces(void *instance, double *impulses, double *forces);       // local
+long long floe_count_wall_contacts(void *instance);                           // local
+int floe_get_wall_contacts(void *instance, long long *ids, double *columns);  // local
+int floe_wall_forces(void *instance, double *impulses, double *forces);       // local
 
 // Forcing on a regular grid, copied. velocity: [time][y][x][wind_u wind_v ocean_u ocean_v].
 int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
@@ -56,7 +62,7 @@ int floe_sums(void *instance, double *out, int size);
 
 // First fault of this rank (local): integers kind step id partner, numbers x y force_x force_y torque
 // speed. Kind 0: none.
-void floe_fault(void *instance, long long *integers, double *numbers);
+int floe_fault(void *instance, long long *integers, double *numbers);
 
 #ifdef __cplusplus
 }

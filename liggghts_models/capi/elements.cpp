@@ -86,28 +86,30 @@ long long floe_count_elements(void *instance) {
   return static_cast<LAMMPS *>(instance)->atom->nlocal;
 }
 
-void floe_get_elements(void *instance, long long *id, signed char *type, double *columns) {
-  auto *lmp = static_cast<LAMMPS *>(instance);
-  const Atom *atom = lmp->atom;
-  const FixFloeIntegrate *fix = floe::find_parts(lmp).fix;
-  for (int i = 0; i < atom->nlocal; ++i) {
-    double *row = columns + static_cast<long long>(column_count) * i;
-    id[i] = atom->tag[i];
-    type[i] = static_cast<signed char>(atom->type[i]);
-    row[x] = atom->x[i][0];
-    row[y] = atom->x[i][1];
-    row[theta] = fix->theta[i];
-    row[u] = atom->v[i][0];
-    row[v] = atom->v[i][1];
-    row[omega] = atom->omega[i][2];
-    row[radius] = atom->radius[i];
-    row[mass] = atom->rmass[i];
-    row[thickness] = fix->thickness[i];
-    row[ice_area] = fix->ice_area[i];
-    row[ridged_area] = fix->ridged_area[i];
-    for (int c = wind_impulse_x; c < column_count; ++c)
-      row[c] = fix->impulse[i][c - wind_impulse_x];
-  }
+int floe_get_elements(void *instance, long long *id, signed char *type, double *columns) {
+  return floe::guarded([&] {
+    auto *lmp = static_cast<LAMMPS *>(instance);
+    const Atom *atom = lmp->atom;
+    const FixFloeIntegrate *fix = floe::find_parts(lmp).fix;
+    for (int i = 0; i < atom->nlocal; ++i) {
+      double *row = columns + static_cast<long long>(column_count) * i;
+      id[i] = atom->tag[i];
+      type[i] = static_cast<signed char>(atom->type[i]);
+      row[x] = atom->x[i][0];
+      row[y] = atom->x[i][1];
+      row[theta] = fix->theta[i];
+      row[u] = atom->v[i][0];
+      row[v] = atom->v[i][1];
+      row[omega] = atom->omega[i][2];
+      row[radius] = atom->radius[i];
+      row[mass] = atom->rmass[i];
+      row[thickness] = fix->thickness[i];
+      row[ice_area] = fix->ice_area[i];
+      row[ridged_area] = fix->ridged_area[i];
+      for (int c = wind_impulse_x; c < column_count; ++c)
+        row[c] = fix->impulse[i][c - wind_impulse_x];
+    }
+  });
 }
 
 }  // extern "C"

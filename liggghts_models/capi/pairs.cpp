@@ -111,39 +111,43 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
   });
 }
 
-void floe_count_pairs(void *instance, long long *bonds, long long *contacts) {
-  auto *lmp = static_cast<LAMMPS *>(instance);
-  const bool with_bonds = floe::find_parts(lmp).floe->bonds;
-  *bonds = *contacts = 0;
-  each_pair(lmp, [&](const Place &p) {
-    if (!*p.flag || !speaks(lmp->atom, p)) return;
-    ++(with_bonds && p.history[slot::span] != 0.0 ? *bonds : *contacts);
+int floe_count_pairs(void *instance, long long *bonds, long long *contacts) {
+  return floe::guarded([&] {
+    auto *lmp = static_cast<LAMMPS *>(instance);
+    const bool with_bonds = floe::find_parts(lmp).floe->bonds;
+    *bonds = *contacts = 0;
+    each_pair(lmp, [&](const Place &p) {
+      if (!*p.flag || !speaks(lmp->atom, p)) return;
+      ++(with_bonds && p.history[slot::span] != 0.0 ? *bonds : *contacts);
+    });
   });
 }
 
-void floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
-                    double *contact) {
-  auto *lmp = static_cast<LAMMPS *>(instance);
-  const bool with_bonds = floe::find_parts(lmp).floe->bonds;
-  const bool with_ridges = floe::find_parts(lmp).floe->ridging;
-  each_pair(lmp, [&](const Place &p) {
-    if (!*p.flag || !speaks(lmp->atom, p)) return;
-    const int a = lmp->atom->tag[p.i], b = lmp->atom->tag[p.j];
-    if (with_bonds && p.history[slot::span] != 0.0) {
-      *bond_ids++ = std::min(a, b);
-      *bond_ids++ = std::max(a, b);
-      get_bond(p.history, bond);
-      bond += bond_columns;
-    } else {
-      *contact_ids++ = std::min(a, b);
-      *contact_ids++ = std::max(a, b);
-      contact[0] = p.history[slot::slip];
-      contact[1] = p.history[slot::rest_overlap];
-      for (int k = 0; k < ridge_columns; ++k) {
-        contact[2 + k] = with_ridges ? p.history[slot::ridge_closing + k] : 0.0;
+int floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
+                   double *contact) {
+  return floe::guarded([&] {
+    auto *lmp = static_cast<LAMMPS *>(instance);
+    const bool with_bonds = floe::find_parts(lmp).floe->bonds;
+    const bool with_ridges = floe::find_parts(lmp).floe->ridging;
+    each_pair(lmp, [&](const Place &p) {
+      if (!*p.flag || !speaks(lmp->atom, p)) return;
+      const int a = lmp->atom->tag[p.i], b = lmp->atom->tag[p.j];
+      if (with_bonds && p.history[slot::span] != 0.0) {
+        *bond_ids++ = std::min(a, b);
+        *bond_ids++ = std::max(a, b);
+        get_bond(p.history, bond);
+        bond += bond_columns;
+      } else {
+        *contact_ids++ = std::min(a, b);
+        *contact_ids++ = std::max(a, b);
+        contact[0] = p.history[slot::slip];
+        contact[1] = p.history[slot::rest_overlap];
+        for (int k = 0; k < ridge_columns; ++k) {
+          contact[2 + k] = with_ridges ? p.history[slot::ridge_closing + k] : 0.0;
+        }
+        contact += contact_columns;
       }
-      contact += contact_columns;
-    }
+    });
   });
 }
 

@@ -37,6 +37,15 @@ extern "C" {
 
 const char *floe_error(void) { return floe::last_error().c_str(); }
 
+int floe_interface(void) { return FLOE_INTERFACE; }
+
+const char *floe_layout(void) {
+  return "x y theta u v omega radius mass thickness ice_area ridged_area "
+         "wind_impulse_x wind_impulse_y ocean_impulse_x ocean_impulse_y;"
+         "span thickness crack_a crack_b lo_ax lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by;"
+         "slip rest_overlap ridge_closing ridge_thickness ridge_length";
+}
+
 int floe_open(int argc, char **argv, void *comm, void **instance) {
   return floe::guarded([&] {
     auto *lmp = new LAMMPS(argc, argv, *static_cast<MPI_Comm *>(comm));
@@ -45,14 +54,16 @@ int floe_open(int argc, char **argv, void *comm, void **instance) {
   });
 }
 
-void floe_close(void *instance) { delete lmp_of(instance); }
+int floe_close(void *instance) {
+  return floe::guarded([&] { delete lmp_of(instance); });
+}
 
 int floe_command(void *instance, const char *line) {
   return floe::guarded([&] { lmp_of(instance)->input->one(line); });
 }
 
-void floe_set_start_time(void *instance, double seconds) {
-  floe::find_parts(lmp_of(instance)).fix->start_time = seconds;
+int floe_set_start_time(void *instance, double seconds) {
+  return floe::guarded([&] { floe::find_parts(lmp_of(instance)).fix->start_time = seconds; });
 }
 
 int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
@@ -90,13 +101,15 @@ int floe_sums(void *instance, double *out, int size) {
   });
 }
 
-void floe_fault(void *instance, long long *integers, double *numbers) {
-  const floe::Fault &fault = floe::find_parts(lmp_of(instance)).fix->fault;
-  const long long whole[4] = {fault.kind, fault.step, fault.id, fault.partner};
-  const double real[6] = {fault.x,       fault.y,      fault.force_x,
-                          fault.force_y, fault.torque, fault.speed};
-  std::memcpy(integers, whole, sizeof whole);
-  std::memcpy(numbers, real, sizeof real);
+int floe_fault(void *instance, long long *integers, double *numbers) {
+  return floe::guarded([&] {
+    const floe::Fault &fault = floe::find_parts(lmp_of(instance)).fix->fault;
+    const long long whole[4] = {fault.kind, fault.step, fault.id, fault.partner};
+    const double real[6] = {fault.x,       fault.y,      fault.force_x,
+                            fault.force_y, fault.torque, fault.speed};
+    std::memcpy(integers, whole, sizeof whole);
+    std::memcpy(numbers, real, sizeof real);
+  });
 }
 
 }  // extern "C"

@@ -80,25 +80,29 @@ long long floe_count_wall_contacts(void *instance) {
   return n;
 }
 
-void floe_get_wall_contacts(void *instance, long long *ids, double *columns) {
-  FixFloeWalls *walls = find_walls(instance);
-  if (!walls) return;
-  const Atom *atom = static_cast<LAMMPS *>(instance)->atom;
-  walls->each([&](int i, const FixFloeWalls::Contact &c) {
-    *ids++ = atom->tag[i];
-    *ids++ = c.face;
-    for (double value : {c.history.slip, c.history.rest_overlap, c.history.ridge.closing,
-                         c.history.ridge.thickness, c.history.ridge.length}) {
-      *columns++ = value;
-    }
+int floe_get_wall_contacts(void *instance, long long *ids, double *columns) {
+  return floe::guarded([&] {
+    FixFloeWalls *walls = find_walls(instance);
+    if (!walls) return;
+    const Atom *atom = static_cast<LAMMPS *>(instance)->atom;
+    walls->each([&](int i, const FixFloeWalls::Contact &c) {
+      *ids++ = atom->tag[i];
+      *ids++ = c.face;
+      for (double value : {c.history.slip, c.history.rest_overlap, c.history.ridge.closing,
+                           c.history.ridge.thickness, c.history.ridge.length}) {
+        *columns++ = value;
+      }
+    });
   });
 }
 
-void floe_wall_forces(void *instance, double *impulses, double *forces) {
-  const FixFloeWalls *walls = find_walls(instance);
-  if (!walls) return;
-  std::copy(walls->impulses().begin(), walls->impulses().end(), impulses);
-  std::copy(walls->forces().begin(), walls->forces().end(), forces);
+int floe_wall_forces(void *instance, double *impulses, double *forces) {
+  return floe::guarded([&] {
+    const FixFloeWalls *walls = find_walls(instance);
+    if (!walls) return;
+    std::copy(walls->impulses().begin(), walls->impulses().end(), impulses);
+    std::copy(walls->forces().begin(), walls->forces().end(), forces);
+  });
 }
 
 }  // extern "C"

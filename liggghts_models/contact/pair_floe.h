@@ -17,6 +17,7 @@
 #include "granular_pair_style.h"
 #include "losses.h"
 #include "pair_state.h"
+#include "parallel_bond.h"
 #include "pointers.h"
 #include "records.h"
 #include "ridge.h"
@@ -57,6 +58,14 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   double compressive_strength(double thickness) const {
     return kovacs_sodhi ? kovacs_sodhi_strength(thickness) : compressive;
   }
+  // Strength (Pa) of the envelope that the loops over bonds know; see parallel_bond.h.
+  double envelope_strength(double thickness) const {
+    return compressive_strength(thickness) * (parallel ? parallel_tensile : 1.0);
+  }
+  ParallelStrength parallel_strength(double thickness) const {
+    const double strength = compressive_strength(thickness);
+    return {parallel_tensile * strength, parallel_shear * strength};
+  }
   int history_size() const;
   RidgeForce ridging_force(const Ridge &r) const {
     return ridge_force(ridge, compressive_strength(r.thickness), r);
@@ -93,6 +102,8 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
 
   bool bonds = false, friction = true, ridging = false, kovacs_sodhi = false;
   bool fixed_contacts = true;  // else fixed elements only bond: walls stand where they do
+  bool parallel = false;       // bonds break whole, as beams
+  double parallel_tensile = 0.0, parallel_shear = 0.0;  // of the compressive strength
   bool deterministic = false;  // sums per element that do not depend on order and ranks
   bool exact_losses = false;   // losses of damping to second order in the step
   double compressive = 0.0;    // Pa, where it is constant
@@ -110,6 +121,7 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   BondPose pose_of(int number);
   void tally(LAMMPS_NS::PairGran *);
   void list_pairs(LAMMPS_NS::PairGran *);
+  bool fracture(int number, const BondConstants &, const BondLine &, BondShape &);
   void note_breakage(int number, const BondShape &before, const BondLine &line, double energy);
   void copy_to_elements();
   void read_history();

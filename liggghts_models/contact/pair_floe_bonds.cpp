@@ -6,6 +6,7 @@
 
 #include "atom.h"
 #include "fix_floe_integrate.h"
+#include "history.h"
 #include "load_rows.h"
 #include "pair_floe.h"
 #include "update.h"
@@ -73,6 +74,17 @@ PairFloe::Taken PairFloe::take_over(int number, double overlap, double force, do
   return {0.5 * push * push / row.stiffness, push};
 }
 
+// The law's answer to a bond outside of the loops' envelope: whether any of it failed.
+bool PairFloe::fracture(int number, const BondConstants &constants, const BondLine &line,
+                        BondShape &shape) {
+  if (!parallel) return bond_fracture(bond, constants, line, shape);
+  const double *h = bonded_.places[number].history;
+  const ParallelStrength strength = parallel_strength(h[slot::bond_thickness]);
+  if (!parallel_bond_breaks(bond, strength, line, h[slot::span])) return false;
+  shape.crack_b = 1.0 - shape.crack_a;
+  return true;
+}
+
 // A bond that cracks or comes to the end of the neighbours' reach.
 template <bool Exact>
 void PairFloe::bond_alone(int number, Losses &lost) {
@@ -103,7 +115,7 @@ void PairFloe::bond_alone(int number, Losses &lost) {
     if (square > limit2() * sum * sum) fix_->fault_at(i, j);
     const BondShape before = shape;
     const double power = elastic_power(), energy = bond_energy(bond, constants, before, line);
-    if (bond_fracture(bond, constants, line, shape)) {
+    if (fracture(number, constants, line, shape)) {
       const bool counted = share == 1.0 || i < atom->nlocal;
       double kept = bond_energy(bond, constants, shape, line), power_kept = elastic_power();
       if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;

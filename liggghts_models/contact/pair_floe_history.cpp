@@ -34,7 +34,7 @@ double PairFloe::reduced_mass(int i, int j) const {
 }
 
 BondConstants PairFloe::constants_of(const BondShape &shape, int i, int j) const {
-  return bond_constants(bond, shape, compressive_strength(shape.thickness), reduced_mass(i, j));
+  return bond_constants(bond, shape, envelope_strength(shape.thickness), reduced_mass(i, j));
 }
 
 void PairFloe::read_history() {

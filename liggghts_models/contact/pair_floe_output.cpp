@@ -162,17 +162,18 @@ void PairFloe::note_breakage(int number, const BondShape &before, const BondLine
   const auto [least, most] = bond_range(line, shape);
   const BondConstants constants = constants_at(number);
   const int lo = bonded_.block(number).lo[number & 3], hi = bonded_.block(number).hi[number & 3];
-  const bool crushed = least < bond_limits(bond, constants, line).least;
+  const bool crushed = !parallel && least < bond_limits(bond, constants, line).least;
   const double failed = crushed ? least : most;
-  const BreakageMode mode = crushed        ? BreakageMode::compression
-                            : failed > 0.0 ? BreakageMode::tension
-                                           : BreakageMode::shear;
+  const double stress = bond.young * failed / shape.span;  // Pa
+  const bool pulled = stress > (parallel ? parallel_strength(shape.thickness).tensile : 0.0);
+  const BreakageMode mode = crushed  ? BreakageMode::compression
+                            : pulled ? BreakageMode::tension
+                                     : BreakageMode::shear;
   const Body &body = fix_->bodies[lo];
   breakages.push_back({update->ntimestep, atom->tag[lo], atom->tag[hi], body.x + line.arm_lo.x,
                        body.y + line.arm_lo.y,
                        fix_->start_time + static_cast<double>(update->ntimestep) * update->dt, mode,
-                       bond.young * failed / shape.span, bond.shear * line.dt / shape.span,
-                       shape.thickness, energy});
+                       stress, bond.shear * line.dt / shape.span, shape.thickness, energy});
 }
 
 }  // namespace floe

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "comm.h"
+#include "defaults.h"
 #include "error.h"
 #include "fix_floe_integrate.h"
 #include "force.h"
@@ -22,6 +23,8 @@
 using namespace LAMMPS_NS;
 
 namespace floe {
+
+constexpr double degree = M_PI / 180.0;
 
 PairFloe::~PairFloe() {
   auto *fix = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
@@ -55,15 +58,18 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   };
   words_.clear();
   for (int n = 0; n < narg; ++n) words_ += std::string(n ? " " : "") + arg[n];
-  double poisson = 0.3;
-  bond.young = 1.0e9;
-  bond.tensile_share = 0.1;
-  bond.tan_phi = std::tan(35.0 * M_PI / 180.0);
-  compressive = 1.0e6;
-  contact.young = 1.0e8;
-  contact.shear_ratio = 0.5;
-  contact.friction = 0.3;
-  ridge = {26126.0, 928.0, 0.3};
+  double poisson = defaults::poisson;
+  bond.young = defaults::bond_young;
+  bond.damping = defaults::bond_damping;
+  bond.tensile_share = defaults::tensile_share;
+  bond.tan_phi = std::tan(defaults::friction_angle * degree);
+  compressive = defaults::compressive_strength;
+  parallel_shear = defaults::tensile_share;  // as strong as in tension
+  contact.young = defaults::contact_young;
+  contact.shear_ratio = defaults::contact_shear_ratio;
+  contact.damping = defaults::contact_damping;
+  contact.friction = defaults::friction_coefficient;
+  ridge = {defaults::ridge_force, defaults::ridge_hardening, defaults::ridge_thickness};
   for (; k < narg; ++k) {
     const std::string key = arg[k];
     if (key == "bonds")
@@ -74,6 +80,12 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
       ridging = flag(key);
     else if (key == "fixed_contacts")
       fixed_contacts = flag(key);
+    else if (key == "bond_law") {
+      const std::string law = ++k < narg ? arg[k] : "";
+      if (law != "glue" && law != "parallel") fail("bond_law takes glue or parallel");
+      parallel = law == "parallel";
+    } else if (key == "shear_share")
+      parallel_shear = number(key, true);
     else if (key == "deterministic")
       deterministic = flag(key);
     else if (key == "exact_losses")
@@ -101,8 +113,9 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
       }
     } else if (key == "friction_angle") {
       const double angle = number(key, true);
-      if (angle >= M_PI_2) fail("friction_angle must be below pi/2");
-      bond.tan_phi = std::tan(angle);
+      // No ice has as little, but an angle in radians would.
+      if (angle < 2.0 || angle >= 90.0) fail("friction_angle must lie between 2 and 90 degrees");
+      bond.tan_phi = std::tan(angle * degree);
     } else if (key == "contact_young")
       contact.young = number(key, true);
     else if (key == "contact_shear_ratio")
@@ -126,6 +139,12 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
         "set it after read_restart");
   }
   contact.damping_ratio = std::sqrt(contact.shear_ratio);
+  if (parallel) {
+    parallel_tensile = bond.tensile_share;
+    if (!(parallel_tensile > 0.0)) fail("bond_law parallel needs a tensile_share above 0");
+    bond.tan_phi = parallel_envelope({parallel_tensile, parallel_shear});
+    bond.tensile_share = 1.0;
+  }
   bond = bond_material(bond.young, poisson, bond.damping, bond.tensile_share, bond.tan_phi);
   for (int slot = 0; slot < history_size(); ++slot) {
     setup->add_history_value("floe_" + std::to_string(slot), "0");

@@ -58,6 +58,8 @@ ComputeFloeBondLocal::ComputeFloeBondLocal(LAMMPS *lmp, int &iarg, int narg, cha
     : Compute(lmp, iarg, narg, arg), columns_(chosen(style, bond_words, iarg, narg, arg, error)) {
   iarg = narg;
   local_flag = 1;
+  vector_local = nullptr;  // LIGGGHTS leaves them open
+  array_local = nullptr;
   size_local_cols = columns_.size() == 1 ? 0 : static_cast<int>(columns_.size());
 }
 
@@ -118,6 +120,8 @@ ComputeFloeAtom::ComputeFloeAtom(LAMMPS *lmp, int &iarg, int narg, char **arg)
     : Compute(lmp, iarg, narg, arg), columns_(chosen(style, atom_words, iarg, narg, arg, error)) {
   iarg = narg;
   peratom_flag = 1;
+  vector_atom = nullptr;
+  array_atom = nullptr;
   size_peratom_cols = columns_.size() == 1 ? 0 : static_cast<int>(columns_.size());
 }
 

@@ -75,6 +75,7 @@ floe::DampingWork FixFloeIntegrate::damping_to_now() const {
 }
 
 void FixFloeIntegrate::initial_integrate(int) {
+  if (with_variables_) sample_variables();
   if (law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt)
     advance<true>();
   else
@@ -141,7 +142,8 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     double new_spin;
     if constexpr (External) {
       const double area = ice_area[i] < 0.0 ? M_PI * r * r : ice_area[i];
-      const floe::ForcingSample here = floe::sample_forcing(forcing, time, x[i][0], x[i][1]);
+      floe::ForcingSample here = floe::sample_forcing(forcing, time, x[i][0], x[i][1]);
+      if (with_variables_) take_variables(i, here);
       out =
           floe::drift_step(law, {u, contact, m, area, here.wind, here.ocean, here.coriolis}, step);
       new_spin =

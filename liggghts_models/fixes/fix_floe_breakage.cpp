@@ -51,6 +51,7 @@ FixFloeBreakage::FixFloeBreakage(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
   extscalar = 1;
   global_freq = nevery;
   local_flag = 1;
+  array_local = nullptr;
   local_freq = nevery;
   size_local_cols = columns;
   size_local_rows = 0;

@@ -9,6 +9,7 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "defaults.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
@@ -24,14 +25,6 @@
 #include "update.h"
 
 using namespace LAMMPS_NS;
-
-namespace {
-
-constexpr int impulse_numbers = 4;
-constexpr int own_numbers =
-    5 + impulse_numbers;  // that an element takes along to another rank or to a file
-
-}  // namespace
 
 FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
@@ -64,8 +57,8 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
   global_freq = 1;
   extvector = 1;
   law.cos_turn = 1.0;
-  law.air = 1.225 * 0.0015;
-  law.water = 1026.0 * 0.0055;
+  law.air = floe::defaults::air_drag;
+  law.water = floe::defaults::water_drag;
   forcing.time.assign(1, 0.0);
   forcing.velocity.assign(4, 0.0);
   forcing.coriolis.assign(1, 0.0);
@@ -107,6 +100,10 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
     if (std::strcmp(arg[k], "no")) fail(std::string(key) + " takes yes or no");
     return false;
   };
+  const auto speed = [&](const char *key, int component) {
+    const bool named = k + 1 < narg && !std::strncmp(arg[k + 1], "v_", 2);
+    return named ? or_variable(arg[++k], component) : number(key);
+  };
   const auto not_negative = [&](const char *key) {
     const double value = number(key);
     if (value < 0.0) fail(std::string(key) + " must not be negative");
@@ -135,19 +132,19 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
       law.water = not_negative(name);
     else if (key == "turning_angle") {
       const double angle = number(name);
-      if (std::fabs(angle) > 1.5707) fail("turning_angle must lie between -pi/2 and pi/2");
-      law.cos_turn = std::cos(angle);
-      law.sin_turn = std::sin(angle);
+      if (std::fabs(angle) >= 90.0) fail("turning_angle must lie between -90 and 90 degrees");
+      law.cos_turn = std::cos(angle * (M_PI / 180.0));
+      law.sin_turn = std::sin(angle * (M_PI / 180.0));
     } else if (key == "thickness")
       default_thickness = not_negative(name);
     else if (key == "ice_area")
       default_ice_area = not_negative(name);
     else if (key == "wind_velocity") {
-      forcing.velocity[0] = number(name);
-      forcing.velocity[1] = number(name);
+      forcing.velocity[0] = speed(name, 0);
+      forcing.velocity[1] = speed(name, 1);
     } else if (key == "ocean_velocity") {
-      forcing.velocity[2] = number(name);
-      forcing.velocity[3] = number(name);
+      forcing.velocity[2] = speed(name, 2);
+      forcing.velocity[3] = speed(name, 3);
     } else if (key == "coriolis_parameter")
       forcing.coriolis[0] = number(name);
     else
@@ -169,7 +166,22 @@ void FixFloeIntegrate::init() {
           output->ndump == 0 && modify->ncompute <= 3;
   floe::clear_forces(lmp, !fused);
   floe::write_turns(theta, atom->nlocal, turn ? turn[0] : nullptr);
+  find_variables();
   warn_of_others();
+  check_plane();
+}
+
+// Elements above each other would be at one place for laws in the plane.
+void FixFloeIntegrate::check_plane() {
+  int above = 0, any = 0;
+  for (int i = 0; i < atom->nlocal; ++i) above |= atom->x[i][2] != 0.0;
+  MPI_Allreduce(&above, &any, 1, MPI_INT, MPI_MAX, world);
+  if (any) {
+    error->all(
+        FLERR,
+        "Fix floe/integrate needs all elements at z = 0: a region for create_atoms must hold "
+        "no more than that layer of the lattice");
+  }
 }
 
 // Elements outside of the group stay where they are, as with LIGGGHTS' own integrators, unless another

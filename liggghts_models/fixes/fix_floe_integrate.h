@@ -10,6 +10,7 @@
 #define LMP_FIX_FLOE_INTEGRATE_H
 
 #include <cstdio>
+#include <string>
 #include <vector>
 
 #include "body.h"
@@ -27,6 +28,9 @@ namespace LAMMPS_NS {
 class FixFloeIntegrate : public Fix {
  public:
   static constexpr int fixed_type = 2;  // elements of this type never move
+  static constexpr int impulse_numbers = 4;
+  // That an element takes along to another rank or to a restart file.
+  static constexpr int own_numbers = 5 + impulse_numbers;
 
   FixFloeIntegrate(class LAMMPS *, int, char **);
   ~FixFloeIntegrate() override;
@@ -107,12 +111,22 @@ class FixFloeIntegrate : public Fix {
   void note_fault(int i, int kind, int partner, double speed);
   void freeze(int i, int kind, double speed);
   void warn_of_others();
+  void check_plane();
+  // Wind and water from variables of the script, evaluated at each step.
+  double or_variable(const char *word, int component);
+  void find_variables();
+  void sample_variables();
+  void take_variables(int i, floe::ForcingSample &here) const;
   bool ask_fused;  // by keyword
   bool has_run_ = false;
   bool first_kick;     // no step was made since the elements were set
   bool stop_at_fault;  // end the run; else keep the element where it is and let the driver ask
   double default_thickness, default_ice_area;
-  std::vector<double> sums_;  // of all ranks, at an evaluation of the pairs
+  std::string variable_names_[4];  // of wind u v and ocean u v; empty: a number
+  int variables_[4] = {-1, -1, -1, -1};
+  bool with_variables_ = false;
+  std::vector<double> sampled_;  // four of each element
+  std::vector<double> sums_;     // of all ranks, at an evaluation of the pairs
   long long sums_at_ = -1;
 };
 

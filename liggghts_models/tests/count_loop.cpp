@@ -125,7 +125,7 @@ bool run(const std::string &which, int steps) {
         "region ice block 0 30 0 16 -0.1 0.1 units lattice", "create_atoms 1 region ice",
         "set group all diameter 2000", "set group all density 917",
         bonds ? "neighbor 500 bin" : "neighbor 1600 bin", style.c_str(), "pair_coeff * *",
-        "timestep 0.1", "fix motion all floe/integrate thickness 1", "run 0"}) {
+        "timestep 0.1", "fix motion all floe/integrate thickness 1 fused yes", "run 0"}) {
     lmp->input->one(line);
   }
   if (bonds) {

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.core.constants import AIR_DENSITY, CONTACT_SHEAR_RATIO, SEAWATER_DENSITY
 from floeflow.core.errors import FloeError
 from floeflow.state.bonds import CONTACT_COLUMNS, RIDGE_COLUMNS
 
@@ -79,7 +79,7 @@ class EngineParams:
     tensile_share: float = 0.1
     friction_angle: float = math.radians(35.0)
     contact_modulus: float = 1.0e8
-    contact_shear_ratio: float = 0.5
+    contact_shear_ratio: float = CONTACT_SHEAR_RATIO
     contact_damping: float = 0.3
     friction_coefficient: float = 0.3
     ridge_force: float = 26126.0
@@ -173,7 +173,8 @@ class EngineParams:
             f" ridge_hardening {self.ridge_hardening!r} ridge_thickness {self.ridge_thickness!r}"
             f" bond_young {self.young_modulus!r} poisson {self.poisson_ratio!r}"
             f" bond_damping {self.bond_damping!r} compressive_strength {strength}"
-            f" tensile_share {self.tensile_share!r} friction_angle {self.friction_angle!r}"
+            f" tensile_share {self.tensile_share!r}"
+            f" friction_angle {math.degrees(self.friction_angle)!r}"
             f" contact_young {self.contact_modulus!r}"
             f" contact_shear_ratio {self.contact_shear_ratio!r}"
             f" contact_damping {self.contact_damping!r}"
@@ -189,7 +190,7 @@ class EngineParams:
             f" wind_relative {_yes(self.relative_wind)} ocean_drag {_yes(self.ocean_drag)}"
             f" coriolis {_yes(self.coriolis)} tilt {_yes(self.tilt)}"
             f" air_drag {self.wind_stress_factor!r} water_drag {self.ocean_stress_factor!r}"
-            f" turning_angle {self.turning_angle!r}"
+            f" turning_angle {math.degrees(self.turning_angle)!r}"
         )
 
 

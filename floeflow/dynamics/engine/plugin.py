@@ -7,7 +7,7 @@ import contextlib
 import ctypes
 import functools
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +16,22 @@ from numpy.ctypeslib import ndpointer
 
 from floeflow.core.errors import FloeError
 from floeflow.core.plugin import plugin_path
+from floeflow.dynamics.engine.tables import COLUMNS as ELEMENT_COLUMNS
+from floeflow.state.bonds import BOND_COLUMNS, CONTACT_COLUMNS, RIDGE_COLUMNS
 
 _INTEGERS = ndpointer(np.int64, flags="C_CONTIGUOUS")
 _NUMBERS = ndpointer(np.float64, flags="C_CONTIGUOUS")
 _TYPES = ndpointer(np.int8, flags="C_CONTIGUOUS")
 _COUNT = ctypes.c_longlong
 _COUNTED = ctypes.POINTER(ctypes.c_longlong)
+# Result of a function that fails where something is wrong in the plugin itself.
+_DONE = object()
+# Version of the plugin's C interface (FLOE_INTERFACE in liggghts_models/capi/capi.h).
+INTERFACE = 2
 _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "floe_error": (ctypes.c_char_p, []),
+    "floe_interface": (ctypes.c_int, []),
+    "floe_layout": (ctypes.c_char_p, []),
     "floe_open": (
         ctypes.c_int,
         [
@@ -33,15 +41,15 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
             ctypes.POINTER(ctypes.c_void_p),
         ],
     ),
-    "floe_close": (None, [ctypes.c_void_p]),
+    "floe_close": (_DONE, [ctypes.c_void_p]),
     "floe_command": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p]),
-    "floe_set_start_time": (None, [ctypes.c_void_p, ctypes.c_double]),
+    "floe_set_start_time": (_DONE, [ctypes.c_void_p, ctypes.c_double]),
     "floe_create_elements": (
         ctypes.c_int,
         [ctypes.c_void_p, _COUNT, _INTEGERS, _TYPES, _NUMBERS],
     ),
     "floe_count_elements": (_COUNT, [ctypes.c_void_p]),
-    "floe_get_elements": (None, [ctypes.c_void_p, _INTEGERS, _TYPES, _NUMBERS]),
+    "floe_get_elements": (_DONE, [ctypes.c_void_p, _INTEGERS, _TYPES, _NUMBERS]),
     "floe_put_pairs": (
         ctypes.c_int,
         [
@@ -49,16 +57,16 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
             *(_COUNT, _INTEGERS, _NUMBERS),
         ],
     ),
-    "floe_count_pairs": (None, [ctypes.c_void_p, _COUNTED, _COUNTED]),
-    "floe_get_pairs": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS, _INTEGERS, _NUMBERS]),
+    "floe_count_pairs": (_DONE, [ctypes.c_void_p, _COUNTED, _COUNTED]),
+    "floe_get_pairs": (_DONE, [ctypes.c_void_p, _INTEGERS, _NUMBERS, _INTEGERS, _NUMBERS]),
     "floe_set_walls": (
         ctypes.c_int,
         [ctypes.c_void_p, _COUNT, _COUNT, _INTEGERS, _NUMBERS],
     ),
     "floe_put_wall_contacts": (ctypes.c_int, [ctypes.c_void_p, _COUNT, _INTEGERS, _NUMBERS]),
     "floe_count_wall_contacts": (_COUNT, [ctypes.c_void_p]),
-    "floe_get_wall_contacts": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
-    "floe_wall_forces": (None, [ctypes.c_void_p, _NUMBERS, _NUMBERS]),
+    "floe_get_wall_contacts": (_DONE, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
+    "floe_wall_forces": (_DONE, [ctypes.c_void_p, _NUMBERS, _NUMBERS]),
     "floe_set_forcing": (
         ctypes.c_int,
         [
@@ -69,7 +77,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     ),
     "floe_sum_names": (ctypes.c_char_p, []),
     "floe_sums": (ctypes.c_int, [ctypes.c_void_p, _NUMBERS, ctypes.c_int]),
-    "floe_fault": (None, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
+    "floe_fault": (_DONE, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
 }
 
 
@@ -94,9 +102,35 @@ def load_plugin() -> ctypes.CDLL:
                 f"The LIGGGHTS plugin {path} does not fit this FloeFlow, it has no {name}: "
                 "`make setup` builds it anew."
             )
-        function.restype = result
+        function.restype = ctypes.c_int if result is _DONE else result
         function.argtypes = arguments
+        if result is _DONE:
+            function.errcheck = _raise_if_failed(library)
+    _check_layout(library, path)
     return library
+
+
+def _raise_if_failed(library: ctypes.CDLL) -> Callable[[int, object, tuple[object, ...]], int]:
+    """Result check of functions that fail only where the plugin is at fault."""
+
+    def check(failed: int, _function: object, _arguments: tuple[object, ...]) -> int:
+        if failed:
+            raise FloeError(f"The LIGGGHTS plugin failed: {library.floe_error().decode()}")
+        return failed
+
+    return check
+
+
+def _check_layout(library: ctypes.CDLL, path: Path) -> None:
+    """Refuse a plugin whose arrays mean something else than they mean here."""
+    layout = [tuple(part.split()) for part in library.floe_layout().decode().split(";")]
+    here = [ELEMENT_COLUMNS, BOND_COLUMNS, (*CONTACT_COLUMNS, *RIDGE_COLUMNS)]
+    version = int(library.floe_interface())
+    if version != INTERFACE or layout != here:
+        raise FloeError(
+            f"The LIGGGHTS plugin {path} does not fit this FloeFlow, its interface is number "
+            f"{version} and not {INTERFACE}, or its columns differ: `make setup` builds it anew."
+        )
 
 
 @contextlib.contextmanager
