@@ -98,6 +98,27 @@ def read_faces(path: Path) -> tuple[Array, Array, Index]:
     return x, y, np.concatenate(parts)
 
 
+def write_triangles(path: Path, points: Array, triangles: Index) -> None:
+    """Write a triangle mesh in the format that the file's ending names, whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file, ``.stl`` or ``.vtu``; its folder is made.
+    points : ndarray
+        Corners (m), (n, 3).
+    triangles : ndarray
+        Rows of each triangle's corners, (m, 3).
+
+    Raises
+    ------
+    FloeError
+        Where the file cannot be written.
+    """
+    with write_whole(path) as temporary:
+        meshio.write(temporary, meshio.Mesh(points, [("triangle", triangles)]), path.suffix[1:])
+
+
 def read_triangles(path: Path) -> tuple[Array, Index]:
     """Read a triangle mesh (STL, or another format that meshio knows by its name).
 

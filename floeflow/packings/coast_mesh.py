@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import meshio
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import Grid
+from floeflow.core.meshes import write_triangles
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -100,6 +100,4 @@ def write_coast_mesh(segments: Array, height: float, path: Path) -> None:
     triangles = np.concatenate(
         [np.stack([a, b, b + n], axis=1), np.stack([a, b + n, a + n], axis=1)]
     )
-    mesh = meshio.Mesh(np.concatenate([low, high]), [("triangle", triangles)])
-    path.parent.mkdir(parents=True, exist_ok=True)
-    mesh.write(path)
+    write_triangles(path, np.concatenate([low, high]), triangles)

@@ -9,13 +9,13 @@
 namespace floe {
 namespace defaults {
 
-constexpr double bond_young = 1000000000.0;        // Pa
+constexpr double bond_young = 15000000.0;          // Pa
 constexpr double poisson = 0.3;                    // ratio
 constexpr double bond_damping = 0.1;               // share of critical
 constexpr double compressive_strength = 100000.0;  // Pa
 constexpr double tensile_share = 0.2;              // of the compressive strength
 constexpr double friction_angle = 35.0;            // degrees
-constexpr double contact_young = 100000000.0;      // Pa
+constexpr double contact_young = 20000000.0;       // Pa
 constexpr double contact_shear_ratio = 0.5;        // tangential over normal stiffness
 constexpr double contact_damping = 0.3;            // share of critical
 constexpr double friction_coefficient = 0.3;       // Coulomb

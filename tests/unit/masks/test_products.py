@@ -40,7 +40,7 @@ def test_land_share_of_known_places() -> None:
                                  "spacing": 2e5}}
     ).domain  # fmt: skip
     grid, crs = grids.scene_grid(domain), grids.scene_crs(domain)
-    share = land.land_share(grid, crs)
+    share, _ = land.land_samples(grid, crs)
     row, column = grid.cell_of(*grids.from_lonlat(crs, np.array([-40.0, 0.0]), np.array([75, 90])))
     assert list(share[row, column]) == [1.0, 0.0]
     assert ((share > 0) & (share < 1)).any()
