@@ -92,7 +92,7 @@ WRONG_UNITS: dict[str, tuple[str, Callable[[xr.DataArray], xr.DataArray]]] = {
         lambda v: v * 3600,
     ),
     "no unit at all": ("air_temperature", lambda v: v.assign_attrs(units="")),
-    "furlongs": ("eastward_wind", lambda v: v.assign_attrs(units="furlong fortnight-1")),
+    "bananas": ("eastward_wind", lambda v: v.assign_attrs(units="banana s-1")),
 }
 
 

@@ -60,7 +60,7 @@ def test_the_first_thousand_steps_agree(smoke: Done, copy: Callable[[], Place]):
     changes = {
         "time": {"windows": 1, "window": SHORT},
         "forcing": {"step": SHORT},
-        "dynamics": {"samples": 1, "step_share": 0.3},
+        "dynamics": {"samples": 1, "step_share": 0.3, "stiffness": "full"},
     }
     states, steps = [], []
     for ranks in (1, 2):

@@ -23,6 +23,8 @@ from support.stability.packs import chain, mixed_lattice
 
 # A row under pressure buckles; under so little, in more time than a run takes.
 GENTLE = 1e-7
+# Share of the relative velocity of a pair that damping takes in a step (docs/theory/contact.md).
+MOST_DAMPED = 0.1
 
 
 def unlike_radii() -> Arrays:
@@ -84,7 +86,8 @@ def network_step(pack: Arrays, laws: EngineParams, gap: float = 0.0) -> float:
     d /= np.hypot(*d.T)[:, None]
     h = pack["thickness"]
     k = laws.contact_modulus * h[lo] * h[hi] / (h[lo] + h[hi])
-    c = 2.0 * laws.contact_damping * np.sqrt(k / (inverse[lo] + inverse[hi]))
+    reduced = 1.0 / (inverse[lo] + inverse[hi])
+    c = 2.0 * laws.contact_damping * np.sqrt(k * reduced)
     opening, sliding = np.zeros((2, len(lo), n, 3))
     row = np.arange(len(lo))
     for side, sign in ((lo, -1.0), (hi, 1.0)):
@@ -99,10 +102,12 @@ def network_step(pack: Arrays, laws: EngineParams, gap: float = 0.0) -> float:
             part * value[:, None] * sliding
         )
 
-    stiffness, damping = weighed(k, ratio), weighed(c, np.sqrt(ratio))
+    stiffness = weighed(k, ratio)
     low, high = 0.0, 1e6
     while high - low > 1e-4 * high:
         step = 0.5 * (low + high)
+        # In a step the law takes at most a share of the relative velocity.
+        damping = weighed(np.minimum(c, MOST_DAMPED * reduced / step), np.sqrt(ratio))
         top = np.linalg.eigvalsh(step**2 * stiffness + 2.0 * step * damping)[-1]
         low, high = (step, high) if top < 4.0 else (low, step)
     return low
