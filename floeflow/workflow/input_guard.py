@@ -31,13 +31,16 @@ MOST_BYTES, MOST_SECONDS = 12 * 2**30, 600
 KEYS = {"domain", "mask", "forcing", "time", "effects", "sea"}
 
 
-def check_inputs(scene: Scene, remember: bool = True) -> None:
+def check_inputs(scene: Scene, passed: set[str], remember: bool = True) -> None:
     """Refuse a scene whose mask or forcing files its stages could not use.
 
     Parameters
     ----------
     scene : Scene
         With concrete effects.
+    passed : set of str
+        Digests of what passed in this process; one is added. Scenes of an ensemble share their
+        files, so that one check does for all.
     remember : bool
         Whether to write down that the check passed.
 
@@ -46,8 +49,9 @@ def check_inputs(scene: Scene, remember: bool = True) -> None:
     FloeError
         As the checks of mask and forcing, or where one of the files brings the reader down.
     """
-    mark = PASSED / _digest(scene)
-    if mark.is_file():
+    digest = _digest(scene)
+    mark = PASSED / digest
+    if digest in passed or mark.is_file():
         return
     done = subprocess.run(
         [sys.executable, "-m", "floeflow.workflow.input_guard"],
@@ -65,6 +69,7 @@ def check_inputs(scene: Scene, remember: bool = True) -> None:
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if line.startswith("floeflow: ")]
         raise FloeError((lines or ["floeflow: the check of the input files failed"])[-1][10:])
+    passed.add(digest)
     if remember:
         write_text("", mark)
 

@@ -94,6 +94,7 @@ class Scenes:
 
     def __init__(self, config: dict[str, Any], workflow: Any) -> None:
         self._runs: dict[str, Run] = {}
+        self._passed: set[str] = set()
         self._main = bool(workflow.is_main_process)
         looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
         self._writes = self._main and not (workflow.output_settings.dryrun or looking)
@@ -165,7 +166,7 @@ class Scenes:
                 print(f"floeflow: warning: {warning}", file=sys.stderr, flush=True)
             if "walls" in scene.effects and scene.walls.mesh:
                 check_mesh_file(Path(scene.walls.mesh))
-            check_inputs(scene, self._writes)
+            check_inputs(scene, self._passed, self._writes)
             if self._writes:
                 # Held until the process ends.
                 claim_scene(RESULTS / name)

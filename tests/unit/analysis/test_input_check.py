@@ -86,17 +86,34 @@ def test_the_guard_says_what_the_checks_say(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     scene = load_scene(scene_file)
-    input_guard.check_inputs(scene)
+    input_guard.check_inputs(scene, set())
     passed = list((tmp_path / input_guard.PASSED).iterdir())
     assert len(passed) == 1
     # What passed is not read again as long as nothing changes.
     with monkeypatch.context() as patch:
         patch.setattr(input_guard.subprocess, "run", None)
-        input_guard.check_inputs(scene)
+        input_guard.check_inputs(scene, set())
     lonlat({"u10": (3.0, {"units": "m s-1"})}, np.arange(0.0, 49.0)).to_netcdf(tmp_path / "new.nc")
     (tmp_path / "new.nc").replace(tmp_path / "wind.nc")
     with pytest.raises(FloeError, match=r"^.*wind.nc: has no wind: no standard_names east"):
-        input_guard.check_inputs(scene)
+        input_guard.check_inputs(scene, set())
+
+
+def test_one_check_does_for_all_scenes_of_the_same_files(
+    scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in a dry run, which writes nothing down."""
+    monkeypatch.chdir(tmp_path)
+    scene, passed = load_scene(scene_file), set[str]()
+    input_guard.check_inputs(scene, passed, remember=False)
+    assert len(passed) == 1 and not (tmp_path / "results").exists()
+    monkeypatch.setattr(input_guard.subprocess, "run", None)
+    member = scene.model_copy(update={"name": "member", "seed": 7})
+    input_guard.check_inputs(member, passed, remember=False)
+    longer = scene.time.model_copy(update={"windows": scene.time.windows + 1})
+    other = scene.model_copy(update={"time": longer})
+    with pytest.raises(TypeError):
+        input_guard.check_inputs(other, passed, remember=False)
 
 
 def test_a_reader_that_is_brought_down(
@@ -112,5 +129,5 @@ def test_a_reader_that_is_brought_down(
 
     monkeypatch.setattr(input_guard.subprocess, "run", run)
     with pytest.raises(FloeError, match=f"ended the reader \\({signal.SIGSEGV.name}\\)"):
-        input_guard.check_inputs(load_scene(scene_file), remember=False)
+        input_guard.check_inputs(load_scene(scene_file), set(), remember=False)
     assert not (tmp_path / "results").exists()
