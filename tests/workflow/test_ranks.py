@@ -16,7 +16,7 @@ from support.runner import Done, Place
 
 pytestmark = pytest.mark.workflow
 
-SHORT = 9000.0  # s: a little over 1000 steps of 0.3 of the critical one
+SHORT = 9000.0  # s: a little over 1000 steps of 0.26 of the critical one
 
 
 def restarted(copy: Callable[[], Place], ranks: int, **changes: dict) -> tuple[Place, str]:
@@ -60,7 +60,7 @@ def test_the_first_thousand_steps_agree(smoke: Done, copy: Callable[[], Place]):
     changes = {
         "time": {"windows": 1, "window": SHORT},
         "forcing": {"step": SHORT},
-        "dynamics": {"samples": 1, "step_share": 0.3, "stiffness": "full"},
+        "dynamics": {"samples": 1, "step_share": 0.26, "stiffness": "full"},
     }
     states, steps = [], []
     for ranks in (1, 2):
