@@ -31,7 +31,7 @@ from floeflow.core.meshes import check_mesh_file
 from floeflow.core.plugin import plugin_path
 from floeflow.scene import Scene
 from floeflow.scene.checks import scene_warnings
-from floeflow.scene.hashes import chain_hash
+from floeflow.scene.hashes import chain_hash, stage_hash
 from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
 from floeflow.workflow.input_guard import check_inputs
@@ -95,6 +95,8 @@ class Scenes:
     def __init__(self, config: dict[str, Any], workflow: Any) -> None:
         self._runs: dict[str, Run] = {}
         self._passed: set[str] = set()
+        self._hashes: dict[tuple[str, str], str] = {}
+        self._files: dict[str, str | list[str]] = {}
         self._main = bool(workflow.is_main_process)
         looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
         self._writes = self._main and not (workflow.output_settings.dryrun or looking)
@@ -124,6 +126,12 @@ class Scenes:
         """The scene of a name."""
         return self.run(name).scene
 
+    def hash(self, name: str, stage: str) -> str:
+        """Hash of the keys that a stage reads of a scene, which thousands of jobs ask for."""
+        if (name, stage) not in self._hashes:
+            self._hashes[name, stage] = stage_hash(self.scene(name), stage)
+        return self._hashes[name, stage]
+
     def owner(self, name: str, stage: str) -> str:
         """Scene whose file of a stage of preprocessing this scene uses.
 
@@ -137,9 +145,12 @@ class Scenes:
 
     def file(self, name: str) -> str | list[str]:
         """Path of a resolved scene; none in a dry run that has nothing written yet."""
-        self.run(name)
-        path = RESULTS / name / "scene.yaml"
-        return path.as_posix() if self._writes or path.is_file() else []
+        if name not in self._files:
+            self.run(name)
+            path = RESULTS / name / "scene.yaml"
+            there = self._writes or path.is_file()
+            self._files[name] = path.as_posix() if there else []
+        return self._files[name]
 
     def closing_line(self) -> str:
         """Say where the report of the default scene lies, or that there is none yet."""

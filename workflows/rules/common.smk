@@ -6,7 +6,6 @@ from pathlib import Path
 from floeflow.analysis.studies.plans import STUDIES, study_variants
 from floeflow.diagnostics.study_summaries import valid_digests
 from floeflow.forcings.window import forcing_files
-from floeflow.scene import stage_hash
 from floeflow.workflow.library import library_digest
 from floeflow.workflow.scenes import Scenes
 
@@ -18,7 +17,7 @@ STUDY_STAGES = ("mask", "packing", "bonds", "dynamics", "column", "estimate")
 
 def scene_hashes(name, *stages):
     """Hash of the scene keys that these stages read: a changed plot key reruns no window."""
-    return "-".join(stage_hash(SCENES.scene(name), stage) for stage in stages)
+    return "-".join(SCENES.hash(name, stage) for stage in stages)
 
 
 def keys_of(*stages):
