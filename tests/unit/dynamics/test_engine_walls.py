@@ -32,7 +32,7 @@ region box block -30000 30000 -30000 30000 -30000 30000 units box
 create_box 2 box
 neighbor 200 bin
 neigh_modify delay 0
-pair_style gran model floe friction {friction} contact_damping 0
+pair_style gran model floe friction {friction} contact_young 1e8 contact_damping 0
 pair_coeff * *
 fix motion all floe/integrate thickness 0.8
 fix face all mesh/surface file wall.stl type 2

@@ -51,6 +51,20 @@ def test_defaults_are_those_of_scenes(tmp_path: Path) -> None:
     np.testing.assert_array_equal(ends[0], ends[1])
 
 
+def test_the_page_tells_the_defaults_of_the_header(project: Path) -> None:
+    header = (project / "liggghts_models/laws/defaults.h").read_text()
+    given = dict(re.findall(r"constexpr double (\w+) = ([^;]+);", header))
+    told: dict[str, str] = {}
+    for page in ("pair_floe.md", "fix_floe_integrate.md"):
+        text = (project / "docs/models" / page).read_text()
+        told |= dict(re.findall(r"^\| `(\w+)` \|.*\| ([^|]+?) \|$", text, re.MULTILINE))
+    missing = given.keys() - told.keys()
+    assert missing <= {"ice_density"}
+    assert {k: float(told[k]) for k in given.keys() - missing} == {
+        k: float(v) for k, v in given.items() if k not in missing
+    }
+
+
 def test_angles_are_in_degrees(tmp_path: Path) -> None:
     done = run_script(tmp_path, raft("friction_angle 0.6") + "run 0\n", works=False)
     assert "friction_angle must lie between 2 and 90 degrees" in done.out

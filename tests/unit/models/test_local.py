@@ -62,7 +62,10 @@ def test_a_bond_breaks_by_its_name(
     tmp_path: Path, velocity: tuple[float, float], mode: str
 ) -> None:
     """A disc bonded to a fixed one is pushed, pulled, and pushed aside."""
-    style = "bonds yes compressive_strength 1e6 tensile_share 0.1 bond_damping 0 reach 1.2"
+    style = (
+        "bonds yes bond_young 1e9 contact_young 1e8 compressive_strength 1e6 tensile_share 0.1 "
+        "bond_damping 0 reach 1.2"
+    )
     script = (
         discs([(0.0, 0.0), (2.0, 0.0)], style)
         + "group fixed id 1\nset group fixed type 2\nfix log all floe/breakage 1 file broken.txt\n"

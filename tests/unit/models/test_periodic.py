@@ -31,8 +31,8 @@ def periodic(shift: float) -> str:
         + create
         + "set group all diameter 2000\nset group all density 900\n"
         + "neighbor 200 bin\nneigh_modify delay 0 every 1 check yes\n"
-        + "pair_style gran model floe bonds yes ridging yes compressive_strength 3e4 "
-        + "tensile_share 0.3 reach 1.2\npair_coeff * *\ntimestep 0.4\n"
+        + "pair_style gran model floe bonds yes ridging yes bond_young 1e9 contact_young 1e8 "
+        + "compressive_strength 3e4 tensile_share 0.3 reach 1.2\npair_coeff * *\ntimestep 0.4\n"
         + "fix motion all floe/integrate thickness 1 ocean_drag yes\n"
         + "run 0\nfloe_bonds gap 1 thickness 1\n"
         + "velocity all ramp vx 0.1 -0.1 y 0 24000 units box\n"
