@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
-.PHONY: help setup run year test verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench studies doctor test-fresh lock clean
+.PHONY: help setup run year test verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -66,6 +66,9 @@ bench-packing: setup ## time packings of up to a million elements beside one Del
 
 bench-plan: setup ## compare plans with held-out scenes
 	.venv/bin/python benchmarks/plan.py
+
+bench-year: setup ## run the Arctic year on RANKS= (2) and print it beside published figures
+	.venv/bin/python benchmarks/year.py --ranks $${RANKS:-2}
 
 bench: bench-dem bench-column bench-remap bench-packing bench-plan ## all benchmarks, and a table of accuracy against cost
 	.venv/bin/python benchmarks/collect.py

@@ -21,6 +21,7 @@ from floeflow.masks.mask_file import MaskFile, read_mask_file
 from floeflow.masks.pole_hole import LOWEST, RIM, find_hole, rim_mean
 from floeflow.masks.regions import region_cells, shore_cells
 from floeflow.masks.thickness import CELL_MEAN
+from floeflow.masks.thickness_climatology import climatological_thickness
 from floeflow.scene.blocks import Scene
 
 Array = NDArray[np.float64]
@@ -120,7 +121,7 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
         )
     siconc[land | (siconc < scene.mask.minimum_concentration)] = 0.0
     siconc[~_region(scene, grid)] = 0.0
-    siconc, sithick = _with_thickness(scene, placed, siconc)
+    siconc, sithick = _with_thickness(scene, placed, siconc, lon, lat)
     area = cell_area(grid, crs)
     for note in notes:
         log.info("%s", note)
@@ -159,9 +160,7 @@ def _make_uniform_mask(scene: Scene, grid: Grid, land_fraction: Array | None) ->
     """Mask of one concentration on all water of the region."""
     land = _known_land(scene, grid, land_fraction)
     siconc = np.where(~land & _region(scene, grid), scene.mask.uniform, 0.0)
-    rule = scene.mask.thickness_rule == "constant"
-    thick = scene.mask.ice_thickness * (1.0 if rule else scene.mask.uniform)
-    sithick = np.where(siconc > 0, thick, 0.0)
+    sithick = _thickness_by_rule(scene, siconc, *to_lonlat(scene_crs(scene.domain), *grid.mesh()))
     area = cell_area(grid, scene_crs(scene.domain))
     made = _dataset(scene, grid.x, grid.y, siconc, sithick, land, area)
     made.attrs["notes"] = ""
@@ -231,7 +230,21 @@ def _land_of_file(placed: _Placed) -> Array:
     return np.where(placed.transfer.inside, found, 0.0).reshape(placed.shape)
 
 
-def _with_thickness(scene: Scene, placed: _Placed, siconc: Array) -> tuple[Array, Array]:
+def _thickness_by_rule(scene: Scene, siconc: Array, lon: Array, lat: Array) -> Array:
+    """Thickness of the ice (m) where no file tells it, (ny, nx); 0 where there is none."""
+    rule = scene.mask.thickness_rule
+    if rule == "constant":
+        thick = np.full_like(siconc, scene.mask.ice_thickness)
+    elif rule == "concentration":
+        thick = scene.mask.ice_thickness * siconc
+    else:
+        thick = climatological_thickness(lon, lat, scene.time.start) * siconc
+    return np.where(siconc > 0.0, thick, 0.0)
+
+
+def _with_thickness(
+    scene: Scene, placed: _Placed, siconc: Array, lon: Array, lat: Array
+) -> tuple[Array, Array]:
     """Thickness from the file or by the scene's rule; ice without thickness is no ice.
 
     What is brought to the grid is volume per area, so that none is lost or made.
@@ -250,10 +263,8 @@ def _with_thickness(scene: Scene, placed: _Placed, siconc: Array) -> tuple[Array
             share = placed.to_grid(filled[0])
             volume = placed.to_grid(filled[0] * filled[1])
         sithick = np.divide(volume, share, out=np.zeros_like(volume), where=share > 0.0)
-    elif scene.mask.thickness_rule == "constant":
-        sithick = np.full_like(siconc, scene.mask.ice_thickness)
     else:
-        sithick = scene.mask.ice_thickness * siconc
+        sithick = _thickness_by_rule(scene, siconc, lon, lat)
     siconc = np.where(sithick > 0.0, siconc, 0.0)
     return siconc, np.where(siconc > 0.0, sithick, 0.0)
 

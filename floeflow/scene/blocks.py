@@ -153,9 +153,10 @@ class Mask(Block):
     land_fraction: float = key(
         0.5, "Mask cells with more land than this are land.", "1", gt=0, lt=1
     )
-    thickness_rule: Literal["constant", "concentration"] = key(
+    thickness_rule: Literal["constant", "concentration", "climatology"] = key(
         "concentration",
-        "Thickness where the file has none: ice_thickness everywhere, or times concentration.",
+        "Thickness where the file has none: ice_thickness everywhere, or times concentration; or "
+        "a table by place and month (docs/masks.md) times concentration.",
     )
     ice_thickness: float = key(2.0, "Ice thickness at full concentration.", "m", gt=0, le=20)
     snow_thickness: float = key(

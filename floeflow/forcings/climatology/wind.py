@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from floeflow.core.constants import AIR_DENSITY, EARTH_RADIUS, EARTH_ROTATION
 from floeflow.forcings.climatology import tables
-from floeflow.forcings.climatology.months import at_day, east_north, unit
+from floeflow.core.monthly import at_day, east_north, unit
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import pytest
 
 from floeflow.core.constants import AIR_DENSITY, EARTH_RADIUS, EARTH_ROTATION
 from floeflow.forcings.climatology import NAMES, fields, ocean, tables
-from floeflow.forcings.climatology.months import MIDDLES, at_day, blend
+from floeflow.core.monthly import MIDDLES, at_day, blend
 from floeflow.forcings.climatology.wind import SURFACE_SHARE, TURN, pressure_and_wind
 from floeflow.forcings.forcing import make_forcing
 from floeflow.scene.blocks import Climatology

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A year of the Arctic beside published figures, and what a day of it costs.
+
+Usage: python benchmarks/year.py [--scene config/scenes/arctic_year.yaml] [--ranks 2] [--keep]
+Runs the scene to its report and prints two tables; with ``--keep`` it reads a run that lies there.
+Writes ``results/benchmarks/year.json``. Wall time wants idle cores.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from floeflow.core.atomic_write import write_text
+from floeflow.diagnostics import season
+from floeflow.scene import Scene, load_scene
+from floeflow.scene.docs import PROJECT
+from floeflow.state import read_dataset
+
+RESULTS = Path("results")
+KM2, KM3 = 1e6, 1e9
+# Extent of the whole hemisphere, mean of 1979 to 1990 (million km2; NSIDC Sea Ice Index v3, doi
+# 10.7265/N5K072F8), and the share of it inside the scene's rectangle: of NSIDC's concentration (0051,
+# doi 10.5067/8GQ8LZQVL0VL) of 1 February and 18 August 2015.
+EXTENT = {3: 15.9, 9: 7.1}
+INSIDE = {3: 0.76, 9: 0.95}
+
+
+def run(scene: Path, ranks: int) -> float:
+    """Run a scene to its report; wall seconds."""
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
+    command += ["--profile", str(PROJECT / "workflows/profiles/local"), "--cores", str(ranks)]
+    command += ["--set-threads", f"windows={ranks}", "--config", f"scene={scene}"]
+    began = time.perf_counter()
+    subprocess.run(command, check=True)
+    return time.perf_counter() - began
+
+
+def chunks(folder: Path) -> list[xr.Dataset]:
+    """All files of a folder of a run, in order."""
+    return [read_dataset(path) for path in sorted(folder.glob("*.nc"))]
+
+
+def physics(scene: Scene, folder: Path) -> list[tuple[str, str, str]]:
+    """Rows of the table: what, in this run, published."""
+    found = season.cycle(read_dataset(folder / "grid.nc"))
+    series = chunks(folder / "series")
+    days = sum(chunk.sizes["window"] for chunk in series) * scene.time.window / season.DAY
+    per_year = 365.0 / days
+    area, volume = season.passed(series, "fram_strait")
+    remapped = [
+        int(window)
+        for chunk in series
+        for window, done in zip(chunk["window"].values, chunk["remap_done"].values, strict=True)
+        if done
+    ]
+    moved = season.drift(
+        chunks(folder / "elements"), remapped, scene.domain.crs, scene.time.window
+    )
+    extents = season.by_month(found, found.extent / KM2 / 1e6)
+    rows = [
+        (
+            f"extent of month {month} (million km2)",
+            f"{extents[month]:.1f}" if month in extents else "not reached",
+            f"{EXTENT[month] * INSIDE[month]:.1f} inside the rectangle of {EXTENT[month]}",
+        )
+        for month in EXTENT
+    ]
+    rows += [
+        ("month of the largest extent", str(season.month_of(found, found.extent, largest=True)),
+         "3"),
+        ("month of the smallest extent", str(season.month_of(found, found.extent, largest=False)),
+         "9"),
+        ("thickness of the central basin, swing of monthly means (m)",
+         f"{season.swing(found):.2f}", "0.4 to 1.2"),
+        ("thickness of the central basin, mean (m)", f"{found.thickness.mean():.2f}",
+         "2.6 to 3.6 (Rothrock et al. 2008)"),
+        ("Fram Strait, area a year (million km2)", f"{area / KM2 / 1e6 * per_year:.2f}",
+         "0.6 to 1.0 (Smedsrud et al. 2017)"),
+        ("Fram Strait, volume a year (km3)", f"{volume / KM3 * per_year:.0f}",
+         "1,970 to 2,490 (Min et al. 2019)"),
+        ("drift over a day, central basin, median of months (cm/s)",
+         f"{100 * moved.median.min():.1f} to {100 * moved.median.max():.1f}", "4 to 10"),
+    ]  # fmt: skip
+    return rows
+
+
+def costs(folder: Path, wall: float | None, days: float) -> list[tuple[str, str]]:
+    """Rows of the table: part, seconds a day."""
+    parts: dict[str, float] = {}
+    for path in sorted((folder / "cost").glob("*.json")):
+        for record in json.loads(path.read_text()):
+            parts[record["name"]] = parts.get(record["name"], 0.0) + sum(record["seconds"])
+    rows = [(name, f"{seconds / days:.2f}") for name, seconds in parts.items()]
+    inside = sum(parts.values())
+    rows.append(("all parts of windows", f"{inside / days:.2f}"))
+    if wall is not None:
+        rows.append(("the whole run", f"{wall / days:.2f}"))
+        rows.append(("share outside of the windows' parts", f"{100 * (1 - inside / wall):.0f} %"))
+    return rows
+
+
+def show(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
+    """Print a table."""
+    lines = [head, *rows]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
+    for line in lines:
+        print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)))
+    print()
+
+
+def main() -> None:
+    """Run, or read a run, and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scene", type=Path, default=Path("config/scenes/arctic_year.yaml"))
+    parser.add_argument("--ranks", type=int, default=2)
+    parser.add_argument("--keep", action="store_true", help="read the run that lies there")
+    chosen = parser.parse_args()
+    scene = load_scene(chosen.scene)
+    folder = RESULTS / scene.name
+    wall = None if chosen.keep else run(chosen.scene, chosen.ranks)
+    days = scene.time.windows * scene.time.window / season.DAY
+    seasons, spent = physics(scene, folder), costs(folder, wall, days)
+    show(("", "this run", "published"), seasons)
+    show(("part", "seconds a day"), spent)
+    told = {"scene": scene.name, "ranks": chosen.ranks, "seasons": seasons, "seconds_a_day": spent}
+    out = RESULTS / "benchmarks" / "year.json"
+    out.parent.mkdir(parents=True, exist_ok=True)
+    write_text(out, json.dumps(told, indent=1))
+    if np.any([row[1] == "not reached" for row in seasons]):
+        print("The run ends before some months.")
+
+
+if __name__ == "__main__":
+    main()

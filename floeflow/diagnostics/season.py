@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The seasonal cycle of a run: what observers of the Arctic's ice publish about it.
+
+Each function takes what a run publishes (``grid.nc``, ``series/``, ``elements/``) and gives numbers
+in SI units, so that they can be laid beside published ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pyproj
+import xarray as xr
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+DAY = 86400.0
+# The extent counts cells with at least this share of ice.
+EDGE = 0.15
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """Monthly means, in the order of the run's months.
+
+    Attributes
+    ----------
+    months : ndarray
+        First days of the months, datetime64, (months,).
+    area, extent : ndarray
+        Area of the ice, and of the sea of cells with at least 15 % of ice (m2), (months,).
+    volume : ndarray
+        Of the ice (m3), (months,).
+    thickness : ndarray
+        Mean over the ice of the central basin (m), (months,).
+    """
+
+    months: NDArray[np.datetime64]
+    area: Array
+    extent: Array
+    volume: Array
+    thickness: Array
+
+
+def central(lon: Array, lat: Array) -> NDArray[np.bool_]:
+    """Whether places lie in the deep basin, away from its coasts and from the Atlantic's gates.
+
+    North of 80 N; between 40 W and 70 E, where ice leaves for the Atlantic, north of 85 N.
+    """
+    gates = (lon > -40.0) & (lon < 70.0)
+    return np.asarray(lat >= np.where(gates, 85.0, 80.0))
+
+
+def cycle(grid: xr.Dataset) -> Cycle:
+    """Monthly means of what ``grid.nc`` holds at its times.
+
+    A month counts with the times of its own that the run has: the first and the last month of a
+    run may be short.
+    """
+    sea = grid["sea_area"].values
+    share, volume = (grid[name].fillna(0.0).values for name in ("siconc", "sivol"))
+    area = (share * sea).sum(axis=(1, 2))
+    extent = np.where(share >= EDGE, sea, 0.0).sum(axis=(1, 2))
+    total = (volume * sea).sum(axis=(1, 2))
+    inside = central(grid["lon"].values, grid["lat"].values)
+    ice = (share * sea)[:, inside].sum(axis=1)
+    mean = np.divide((volume * sea)[:, inside].sum(axis=1), ice, where=ice > 0.0, out=0.0 * ice)
+    months = grid["time"].values.astype("datetime64[M]")
+    known, index = np.unique(months, return_inverse=True)
+    count = np.bincount(index)
+
+    def means(values: Array) -> Array:
+        return np.asarray(np.bincount(index, weights=values) / count)
+
+    return Cycle(known, means(area), means(extent), means(total), means(mean))
+
+
+def passed(series: Iterable[xr.Dataset], gate: str) -> tuple[float, float]:
+    """Ice that passed a gate in all windows: area (m2) and volume (m3), out minus in."""
+    area = volume = 0.0
+    for chunk in series:
+        area += float(chunk[f"gate_area_{gate}"].sum())
+        volume += float(chunk[f"gate_volume_{gate}"].sum())
+    return area, volume
+
+
+def total(series: Iterable[xr.Dataset], name: str) -> float:
+    """Sum over all windows of one of the series' terms."""
+    return sum(float(chunk[name].sum()) for chunk in series)
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Net displacement of elements of the central basin over a day (m/s): quartiles, by month."""
+
+    months: NDArray[np.datetime64]
+    lower: Array
+    median: Array
+    upper: Array
+
+
+def drift(
+    elements: Iterable[xr.Dataset], remapped: Iterable[int], crs: str, window: float
+) -> Drift:
+    """Speed from displacements over one window, of elements of the central basin.
+
+    Parameters
+    ----------
+    elements : iterable of Dataset
+        Files of ``elements/``, one a chunk, in order.
+    remapped : iterable of int
+        Windows at whose end ice was remapped between elements: their displacements are left out.
+    crs : str
+        Of the coordinates.
+    window : float
+        Length of a window (s).
+    """
+    to_places = pyproj.Transformer.from_crs(crs, "EPSG:4326", always_xy=True)
+    left_out = set(remapped)
+    found: dict[np.datetime64, list[Array]] = {}
+    before: xr.Dataset | None = None
+    for now in _boundaries(elements):
+        if before is not None and int(now.attrs["window"]) not in left_out:
+            _, i, j = np.intersect1d(
+                before["id"].values, now["id"].values, assume_unique=True, return_indices=True
+            )
+            lon, lat = to_places.transform(now["x"].values[j], now["y"].values[j])
+            here = central(np.asarray(lon), np.asarray(lat)) & (now["type"].values[j] == 1)
+            path = [(now[k].values[j] - before[k].values[i])[here] for k in ("drift_x", "drift_y")]
+            month = now["time"].values.astype("datetime64[M]")
+            found.setdefault(month, []).append(np.hypot(*path) / window)
+        before = now
+    months = np.array(sorted(found))
+    quartiles = np.array(
+        [np.percentile(np.concatenate(found[month]), (25, 50, 75)) for month in months]
+    )
+    return Drift(months, quartiles[:, 0], quartiles[:, 1], quartiles[:, 2])
+
+
+def _boundaries(elements: Iterable[xr.Dataset]) -> Iterable[xr.Dataset]:
+    """Elements at the end of each window, from the chunks' files."""
+    names = ["id", "type", "x", "y", "drift_x", "drift_y"]
+    for chunk in elements:
+        counts = chunk["element_count"].values
+        for at, end in enumerate(np.cumsum(counts)):
+            rows = slice(int(end - counts[at]), int(end))
+            one = chunk[names].isel(element=rows).load()
+            one["time"] = chunk["time"][at]
+            yield one.assign_attrs(window=int(chunk["window"][at]))
+
+
+def swing(found: Cycle) -> float:
+    """Largest minus smallest monthly thickness of the central basin (m)."""
+    return float(found.thickness.max() - found.thickness.min())
+
+
+def month_of(found: Cycle, values: Array, *, largest: bool) -> int:
+    """Month of the year (1 to 12) of the largest or the smallest monthly mean."""
+    at = values.argmax() if largest else values.argmin()
+    return int(found.months[at].astype(int) % 12) + 1
+
+
+def by_month(found: Cycle, values: Array) -> Mapping[int, float]:
+    """The last year's monthly means, keyed 1 to 12."""
+    numbers = found.months.astype(int) % 12 + 1
+    return {int(n): float(v) for n, v in zip(numbers, values, strict=True)}
