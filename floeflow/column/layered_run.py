@@ -22,6 +22,8 @@ Columns = dict[str, Array]
 
 # Shares of short-wave radiation below and above 0.7 um (Hunke et al. 2015).
 VISIBLE, INFRARED = 0.52, 0.48
+# Steps of an hour are those for which the share that flushing may wash out was chosen (s).
+HOUR = 3600.0
 # Numbers of forcing that are packed at once: bounds the memory.
 BLOCK = 4_000_000
 
@@ -35,6 +37,8 @@ def layered_physics(settings: Settings) -> Physics:
         frazil=settings.has("frazil"),
         delta_eddington=settings.needs_sun,
         ponds=settings.has("ponds"),
+        ponds_cover_level=settings.discretization == "icepack",
+        flush_time=0.0 if settings.discretization == "icepack" else HOUR,
         lateral_rate=defaults.lateral_rate if settings.has("lateral_melt") else 0.0,
         new_ice_thickness=settings.new_ice_thickness,
         least_thickness=defaults.least_thickness if settings.categories > 1 else 0.1,

@@ -120,6 +120,8 @@ class Settings:
         m.
     light : str
         ccsm3, or delta_eddington, which asks for the height of the sun; of layered ice.
+    discretization : str
+        convergent, or icepack: how ponds spread and what limits flushing.
     """
 
     scheme: str = "zero_layer"
@@ -131,6 +133,7 @@ class Settings:
     ocean_salinity: float = 34.0
     mixed_layer_depth: float = 20.0
     light: str = "ccsm3"
+    discretization: str = "convergent"
 
     @property
     def needs_sun(self) -> bool:

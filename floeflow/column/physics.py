@@ -61,6 +61,9 @@ class Physics(NamedTuple):
     ponds_cover_level : bool
         Ponds that have water spread over all level ice at each step, with their depth, as in the
         column physics that made the reference; else they keep their area and water.
+    flush_time : float
+        Time (s) in which at most 0.5 % of the brine of the tightest layer is washed out; 0: a
+        step, as in the column physics that made the reference.
     pond_lids : bool
         Ponds freeze over (Hunke et al. 2013), else they shrink in the cold (Holland et al. 2012).
     flushing : bool
@@ -172,6 +175,7 @@ class Physics(NamedTuple):
     redistribute_light: bool = False
     ponds: bool = False
     ponds_cover_level: bool = True
+    flush_time: float = 0.0
     pond_lids: bool = True
     flushing: bool = True
     flooding: bool = True

@@ -511,6 +511,11 @@ class Column(Block):
     light: Literal["ccsm3", "delta_eddington"] = key(
         "ccsm3", "Light in snow and ice (bl99, mushy): of CCSM3, or of many directions."
     )
+    discretization: Literal["convergent", "icepack"] = key(
+        "convergent",
+        "Ponds that keep their area, and flushing limited by the hour; or, to compare with "
+        "Icepack, ponds spread over all level ice and flushing limited by the step, as there.",
+    )
     layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
     step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)
     splitting: Literal["after", "around"] = key(

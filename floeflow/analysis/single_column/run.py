@@ -44,6 +44,12 @@ def arguments() -> argparse.ArgumentParser:
     add("--categories", type=int, default=1, help="thickness categories")
     add("--layers", type=int, default=7, help="layers of ice (bl99, mushy)")
     add("--light", choices=("ccsm3", "delta_eddington"), default="ccsm3", help="in snow and ice")
+    add(
+        "--discretization",
+        choices=("convergent", "icepack"),
+        default="convergent",
+        help="how ponds spread and what limits flushing (docs/theory/column_ponds.md)",
+    )
     add("--ponds", action="store_true", help="melt ponds (bl99, mushy)")
     add("--without", nargs="+", choices=PROCESSES, default=[], help="processes to leave out")
     add("--thickness", type=float, default=1.5, help="ice at the start (m)")
@@ -101,6 +107,7 @@ def settings_of(given: argparse.Namespace) -> Settings:
         scheme=given.scheme,
         processes=(*processes, "ponds") if given.ponds else processes,
         light=given.light,
+        discretization=given.discretization,
         categories=given.categories,
         layers=given.layers,
         step=given.step,

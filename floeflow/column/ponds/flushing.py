@@ -12,7 +12,7 @@ from floeflow.column.thermodynamics.drainage import NO_FLOW, permeability
 from floeflow.column.thermodynamics.mush import brine_density, brine_salinity
 
 FRESH = 1000.0  # density of pond water (kg/m3)
-LARGEST_SHARE = 0.005  # of the brine of a layer that a step may wash out
+LARGEST_SHARE = 0.005  # of the brine of a layer that is washed out at most in `flush_time`
 
 
 @jit
@@ -52,4 +52,5 @@ def flushing(w, first, ice, snow, depth, area, dt, p):
     speed = min(speed, depth * area / dt)
     if speed <= TINY:
         return 0.0
-    return min(speed, LARGEST_SHARE * least * ice / layers / dt)
+    time = p.flush_time if p.flush_time > 0.0 else dt
+    return min(speed, LARGEST_SHARE * least * ice / layers / time)

@@ -16,13 +16,17 @@ from numpy.typing import NDArray
 from floeflow.core.constants import AIR_DENSITY, EARTH_RADIUS, ZERO_CELSIUS
 from floeflow.forcings.climatology import tables
 from floeflow.forcings.climatology.air import STEFAN_BOLTZMANN, station_field
-from floeflow.forcings.climatology.months import MIDDLES, east_north, unit
+from floeflow.core.monthly import MIDDLES, east_north, unit
 
 Array = NDArray[np.float64]
 
 COLDEST = -1.8 + ZERO_CELSIUS  # of the tables (K)
 # Above freezing by this (K) the sea counts as warm water that stays open.
 OPEN = 1.2
+# Currents bring heat where the coldest month of the tables lies above freezing by more than the
+# first (K), all of it from the second on: the edge of the winter's ice lies between (about 0 degC
+# at the surface), and ice that drifts over colder water is not melted by a sea that it covers.
+EDGE = (0.8, 2.0)
 # Bulk coefficients over sea (Large and Pond 1982, rounded), albedo, J/kg/K, J/kg.
 TRANSFER, ALBEDO, HEAT_AIR, VAPOUR = 1.2e-3, 0.06, 1005.0, 2.501e6
 LEAST_HEAT, MOST_HEAT = -150.0, 450.0  # W/m2
@@ -65,8 +69,9 @@ def surface_gain(sea: Array, air: Weather) -> Array:
 
 def open_all_year(lon: Array, lat: Array) -> Array:
     """1 where the tables have warm water in every month, 0 where it freezes in some, (places,)."""
-    coldest = sea_temperature(lon, lat, MIDDLES).min(axis=0)
-    return warmth(coldest)
+    above = sea_temperature(lon, lat, MIDDLES).min(axis=0) - COLDEST
+    part = np.clip((above - EDGE[0]) / (EDGE[1] - EDGE[0]), 0.0, 1.0)
+    return np.asarray(part * part * (3.0 - 2.0 * part))
 
 
 def heat_convergence(
@@ -117,12 +122,12 @@ class Whirl:
 STREAMS_NORTH = (
     Stream(((160, 77), (165, 84), (0, 89.5), (-10, 85), (-5, 81)), 0.03, 2.5e5),  # Transpolar Drift
     Stream(((-5, 81), (-8, 78), (-12, 75), (-19, 71.5), (-24, 69.5), (-30, 67), (-37, 65),
-            (-41, 62), (-43, 59.5)), 0.16, 1.1e5),  # East Greenland Current
+            (-41, 62), (-43, 59.5)), 0.10, 1.1e5),  # East Greenland Current
     Stream(((-4, 61), (3, 64), (8, 67), (13, 70), (15, 73), (10, 77), (9, 79), (14, 80.7)), 0.12,
            1.2e5),  # Norwegian Atlantic and West Spitsbergen Currents
     Stream(((15, 71.5), (25, 72.5), (35, 72.5), (45, 73.5), (52, 75.5)), 0.06, 1.3e5),  # North Cape
     Stream(((-46, 60), (-52, 63), (-56, 67), (-60, 71)), 0.08, 1.0e5),  # West Greenland Current
-    Stream(((-74, 76), (-68, 72), (-62, 67), (-62, 63), (-58, 58), (-54, 54)), 0.12,
+    Stream(((-74, 76), (-68, 72), (-62, 67), (-62, 63), (-58, 58), (-54, 54)), 0.08,
            1.2e5),  # Baffin
     Stream(((-170, 64), (-169, 66), (-170, 69), (-165, 71)), 0.15, 8.0e4),  # Bering Strait
 )  # fmt: skip
