@@ -120,8 +120,8 @@ class Settings:
         m.
     light : str
         ccsm3, or delta_eddington, which asks for the height of the sun; of layered ice.
-    discretization : str
-        convergent, or icepack: how ponds spread and what limits flushing.
+    pond_scheme : str
+        level, or icepack: how ponds spread and what limits flushing.
     """
 
     scheme: str = "zero_layer"
@@ -133,7 +133,7 @@ class Settings:
     ocean_salinity: float = 34.0
     mixed_layer_depth: float = 20.0
     light: str = "ccsm3"
-    discretization: str = "convergent"
+    pond_scheme: str = "level"
 
     @property
     def needs_sun(self) -> bool:

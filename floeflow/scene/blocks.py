@@ -511,8 +511,8 @@ class Column(Block):
     light: Literal["ccsm3", "delta_eddington"] = key(
         "ccsm3", "Light in snow and ice (bl99, mushy): of CCSM3, or of many directions."
     )
-    discretization: Literal["convergent", "icepack"] = key(
-        "convergent",
+    pond_scheme: Literal["level", "icepack"] = key(
+        "level",
         "Ponds that keep their area, and flushing limited by the hour; or, to compare with "
         "Icepack, ponds spread over all level ice and flushing limited by the step, as there.",
     )

@@ -45,9 +45,9 @@ def arguments() -> argparse.ArgumentParser:
     add("--layers", type=int, default=7, help="layers of ice (bl99, mushy)")
     add("--light", choices=("ccsm3", "delta_eddington"), default="ccsm3", help="in snow and ice")
     add(
-        "--discretization",
-        choices=("convergent", "icepack"),
-        default="convergent",
+        "--pond-scheme",
+        choices=("level", "icepack"),
+        default="level",
         help="how ponds spread and what limits flushing (docs/theory/column_ponds.md)",
     )
     add("--ponds", action="store_true", help="melt ponds (bl99, mushy)")
@@ -107,7 +107,7 @@ def settings_of(given: argparse.Namespace) -> Settings:
         scheme=given.scheme,
         processes=(*processes, "ponds") if given.ponds else processes,
         light=given.light,
-        discretization=given.discretization,
+        pond_scheme=given.pond_scheme,
         categories=given.categories,
         layers=given.layers,
         step=given.step,

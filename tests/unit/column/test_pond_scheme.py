@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Ponds keep their area, and what flushing washes out does not depend on the step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from floeflow.column.initial_columns import first_columns
+from floeflow.column.params import Settings
+from floeflow.column.physics import Physics
+from floeflow.column.ponds.flushing import flushing
+from floeflow.column.schemes import advance_columns
+from floeflow.scene.effects import column_variables
+
+DAY = 86400.0
+SUMMER = {
+    "wind_u": 4.0,
+    "wind_v": 0.0,
+    "air_temperature": 273.2,
+    "specific_humidity": 3.7e-3,
+    "air_pressure": 1.01e5,
+    "longwave_down": 290.0,
+    "shortwave_down": 240.0,
+    "snowfall": 0.0,
+    "ocean_heat_flux": 2.0,
+    "friction_velocity": 0.005,
+    "sun_height": 0.45,
+}
+PROCESSES = ("snow", "shortwave", "lateral_melt", "frazil", "mixed_layer", "ponds")
+SETTINGS = Settings(scheme="mushy", categories=5, processes=PROCESSES, light="delta_eddington")
+
+
+class Profile(NamedTuple):
+    """What flushing reads of a column: thickness (m), temperature (degC), liquid share."""
+
+    thickness: np.ndarray
+    temperature: np.ndarray
+    liquid: np.ndarray
+
+
+def summer(settings: Settings) -> tuple[float, float]:
+    """Thickness (m) and share of the ice under ponds after 30 days of melt."""
+    every = first_columns(np.ones(1), np.full(1, 2.0), np.full(1, 0.1), 271.0, settings)
+    effects = ("thermodynamics", *settings.processes)
+    columns = {name: every[name] for name in column_variables(effects, settings.scheme)}
+    sample = {name: np.full(1, value) for name, value in SUMMER.items()}
+    after, _ = advance_columns(columns, lambda _: sample, (0.0, 30 * DAY), settings)
+    ice = after["ice_fraction"]
+    ponds = (ice * after["level_area"] * after["pond_area"]).sum() / ice.sum()
+    return float(after["ice_volume"].sum() / ice.sum()), float(ponds)
+
+
+def test_ponds_spread_over_all_ice_in_the_way_of_icepack_alone() -> None:
+    _, share = summer(SETTINGS)
+    _, spread = summer(replace(SETTINGS, pond_scheme="icepack"))
+    assert spread > 0.9
+    assert 0.1 < share < 0.8
+
+
+@njit
+def through(profile, ice, step, p):
+    """Flushing below 0.5 m of water that covers all ice; compiled functions call it only."""
+    return flushing(profile, 0, ice, 0.0, 0.5, 1.0, step, p)
+
+
+def washed(p: Physics, step: float) -> float:
+    """Downward speed (m/s) through ice of seven layers near melting under a deep pond."""
+    layers, ice = 7, 1.5
+    profile = Profile(
+        thickness=np.full(layers, ice / layers),
+        temperature=np.full(layers, -1.0),
+        liquid=np.full(layers, 0.1),
+    )
+    return float(through(profile, ice, step, p))
+
+
+def test_what_flushing_washes_out_does_not_depend_on_the_step() -> None:
+    hour = Physics(mushy=True, ponds=True, flush_time=3600.0)
+    assert washed(hour, 3600.0) == washed(hour, 900.0) > 0.0
+    step = Physics(mushy=True, ponds=True)
+    assert washed(step, 900.0) > washed(step, 3600.0) == washed(hour, 3600.0)
