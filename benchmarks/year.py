@@ -62,9 +62,7 @@ def physics(scene: Scene, folder: Path) -> list[tuple[str, str, str]]:
         for window, done in zip(chunk["window"].values, chunk["remap_done"].values, strict=True)
         if done
     ]
-    moved = season.drift(
-        chunks(folder / "elements"), remapped, scene.domain.crs, scene.time.window
-    )
+    moved = season.drift(chunks(folder / "elements"), remapped, scene.domain.crs, scene.time.window)
     extents = season.by_month(found, found.extent / KM2 / 1e6)
     rows = [
         (

@@ -130,7 +130,7 @@ def drift(
             lon, lat = to_places.transform(now["x"].values[j], now["y"].values[j])
             here = central(np.asarray(lon), np.asarray(lat)) & (now["type"].values[j] == 1)
             path = [(now[k].values[j] - before[k].values[i])[here] for k in ("drift_x", "drift_y")]
-            month = now["time"].values.astype("datetime64[M]")
+            month = np.datetime64(now["time"].values.astype("datetime64[M]"))
             found.setdefault(month, []).append(np.hypot(*path) / window)
         before = now
     months = np.array(sorted(found))

@@ -162,6 +162,14 @@ class Mask(Block):
     snow_thickness: float = key(
         0.2, "Snow on the ice at the start (read with thermodynamics).", "m", ge=0, le=5
     )
+    level_share: float = key(
+        1.0,
+        "Share of the ice's area that no ridge covers at the start (read with ponds, which lie on "
+        "it).",
+        "1",
+        ge=0,
+        le=1,
+    )
     labels: Labels = key(Labels(), "Labelled image of floes.")
     uniform: float = key(
         0.0, "Concentration of all water, instead of a file; 0: the file.", "1", ge=0, le=1

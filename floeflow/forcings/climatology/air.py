@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floeflow.core.constants import ZERO_CELSIUS
+from floeflow.core.monthly import at_day, blend
 from floeflow.core.sun import sun_height
 from floeflow.forcings.climatology import tables
-from floeflow.core.monthly import at_day, blend
 
 Array = NDArray[np.float64]
 

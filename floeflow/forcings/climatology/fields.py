@@ -9,8 +9,8 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from floeflow.forcings.climatology import air, ocean
 from floeflow.core.monthly import days_of_year
+from floeflow.forcings.climatology import air, ocean
 from floeflow.forcings.climatology.wind import pressure_and_wind
 from floeflow.scene.blocks import Climatology
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floeflow.core.constants import AIR_DENSITY, EARTH_RADIUS, ZERO_CELSIUS
+from floeflow.core.monthly import MIDDLES, east_north, unit
 from floeflow.forcings.climatology import tables
 from floeflow.forcings.climatology.air import STEFAN_BOLTZMANN, station_field
-from floeflow.core.monthly import MIDDLES, east_north, unit
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floeflow.core.constants import AIR_DENSITY, EARTH_RADIUS, EARTH_ROTATION
-from floeflow.forcings.climatology import tables
 from floeflow.core.monthly import at_day, east_north, unit
+from floeflow.forcings.climatology import tables
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from floeflow.core.constants import AIR_DENSITY, EARTH_RADIUS, EARTH_ROTATION
-from floeflow.forcings.climatology import NAMES, fields, ocean, tables
 from floeflow.core.monthly import MIDDLES, at_day, blend
+from floeflow.forcings.climatology import NAMES, fields, ocean, tables
 from floeflow.forcings.climatology.wind import SURFACE_SHARE, TURN, pressure_and_wind
 from floeflow.forcings.forcing import make_forcing
 from floeflow.scene.blocks import Climatology
