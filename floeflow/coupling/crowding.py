@@ -58,5 +58,6 @@ def close_crowded(
             for kind in ("contact", "wall_contact")
             if f"{kind}_ridge_closing" in state
         }
-        state = close_areas(state, closed, least, held, end)
+        leads = "redistribution" not in scene.effects
+        state = close_areas(state, closed, least, held, end, leads)
     return state, {"crowded_area": total}

@@ -82,6 +82,7 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
         ridge_force=d.ridge_force,
         ridge_hardening=d.ridge_hardening,
         ridge_thickness=d.ridge_thickness,
+        lead_softening=d.lead_softening,
         wind_stress_factor=AIR_DENSITY * d.air_drag,
         ocean_stress_factor=SEAWATER_DENSITY * d.ocean_drag,
         turning_angle=math.radians(d.turning_angle) if turned else 0.0,
@@ -246,7 +247,8 @@ def move(
         ridged = moved["ridged_area"]
         least, end = scene.dynamics.minimum_thickness, start + scene.time.window
         tables = {"contact": contacts} | ({"wall_contact": held} if held is not None else {})
-        motion.state = close_areas(motion.state, ridged, least, tables, end)
+        leads = "redistribution" not in scene.effects
+        motion.state = close_areas(motion.state, ridged, least, tables, end, leads)
         motion.budget["ridged_area"] = float(ridged.sum())
     return motion
 

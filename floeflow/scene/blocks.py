@@ -428,6 +428,13 @@ class Dynamics(Block):
     ridge_thickness: float = key(
         0.3, "Ridge thickness from which on ice is crushed (compressive_strength).", "m", gt=0
     )
+    lead_softening: float = key(
+        20.0,
+        "Open water weakens ridging: by exp(-20 (1 - a)) where ice covers the share a; 0: not.",
+        "1",
+        ge=0,
+        le=100,
+    )
     refreeze_time: float = key(
         86400.0, "Elements in touch in freezing air for so long freeze together.", "s", gt=0
     )

@@ -44,6 +44,7 @@ def plugin_defaults() -> str:
         ("ridge_force", d.ridge_force, "N/m2"),
         ("ridge_hardening", d.ridge_hardening, "N/m4"),
         ("ridge_thickness", d.ridge_thickness, "m"),
+        ("lead_softening", d.lead_softening, "ratio"),
         ("air_drag", AIR_DENSITY * d.air_drag, "kg/m3, density times coefficient"),
         ("water_drag", SEAWATER_DENSITY * d.ocean_drag, "kg/m3, density times coefficient"),
         ("ice_density", ICE_DENSITY, "kg/m3"),

@@ -14,6 +14,9 @@ from floeflow.state.schema import COAST, VARIABLES
 
 Arrays = dict[str, np.ndarray]
 
+# Discs cannot come nearer than half of their distance in a window: emptier elements count as half
+# covered, so that they resist then.
+LEAST_COVER = 0.5
 # What the model moves; everything else of an element is the column's.
 MOVED = ("x", "y", "theta", "u", "v", "omega")
 
@@ -34,7 +37,8 @@ def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
     -------
     dict of ndarray, shape (n,)
         id, type, x, y, theta, u, v, omega, radius, mass (kg), thickness (m, `bearing_thickness`),
-        ice_area (m2, on which wind and water act).
+        ice_area (m2, on which wind and water act), cover (share of the area under ice, at least
+        `LEAST_COVER`: what is open closes without force).
     """
     arrays = {name: state[name].values.copy() for name in ("id", "type", *MOVED, "radius")}
     area = state["area"].values
@@ -47,11 +51,13 @@ def element_arrays(state: xr.Dataset, minimum_thickness: float) -> Arrays:
     arrays["thickness"] = np.maximum(joint_thickness(state), minimum_thickness)
     made_up = np.maximum(1.0 - volume / minimum_thickness, 0.0)
     arrays["ice_area"] = area * np.maximum(fraction, made_up)
+    arrays["cover"] = np.clip(fraction, LEAST_COVER, 1.0)
     # Coast stands for no ocean, but a contact needs a mass on both sides.
     coast = arrays["type"] == COAST
     disc = np.pi * arrays["radius"][coast] ** 2
     arrays["mass"][coast] = ICE_DENSITY * arrays["thickness"][coast] * disc
     arrays["ice_area"][coast] = 0.0
+    arrays["cover"][coast] = 1.0
     return arrays
 
 

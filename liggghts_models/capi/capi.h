@@ -13,7 +13,7 @@ extern "C" {
 const char *floe_error(void);
 // Version of this interface, raised whenever a function or an array changes its meaning; Python
 // compares it and the columns when it loads the plugin (local).
-#define FLOE_INTERFACE 2
+#define FLOE_INTERFACE 3
 int floe_interface(void);
 // Columns of elements, bonds and contacts, separated by blanks, the three by semicolons (local).
 const char *floe_layout(void);
@@ -22,8 +22,8 @@ int floe_close(void *instance);
 int floe_command(void *instance, const char *line);
 int floe_set_start_time(void *instance, double seconds);  // local
 
-// Elements. columns: x y theta u v omega radius mass thickness ice_area ridged_area, and the impulses
-// of wind (x, y) and ocean (x, y), one row per element.
+// Elements. columns: x y theta u v omega radius mass thickness ice_area cover ridged_area, and the
+// impulses of wind (x, y) and ocean (x, y), one row per element.
 int floe_create_elements(void *instance, long long n, const long long *id, const signed char *type,
                          const double *columns);
 long long floe_count_elements(void *instance);                                             // local
@@ -31,7 +31,8 @@ int floe_get_elements(void *instance, long long *id, signed char *type, double *
 
 // Pairs, by (lower id, higher id), one row each. bond columns: span thickness crack_a crack_b lo_ax
 // lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by; contact columns: slip rest_overlap, then closing, thickness and
-// length of the ridge (without ridging not read, and given as 0).
+// length of the ridge (without ridging not read, and given as 0). How much of the way between the
+// centres ice covers follows from the elements when pairs are put in.
 // A pair that is in no neighbour list is not taken in.
 int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, const double *bond,
                    long long contacts, const long long *contact_ids, const double *contact);

@@ -30,6 +30,7 @@ enum Column {
   mass,
   thickness,
   ice_area,
+  cover,
   ridged_area,
   wind_impulse_x,
   wind_impulse_y,
@@ -70,6 +71,7 @@ int floe_create_elements(void *instance, long long n, const long long *id, const
       fix->set_orientation(i, row[theta]);
       fix->thickness[i] = row[thickness];
       fix->ice_area[i] = row[ice_area];
+      fix->cover[i] = row[cover];
       fix->ridged_area[i] = row[ridged_area];
       for (int c = wind_impulse_x; c < column_count; ++c)
         fix->impulse[i][c - wind_impulse_x] = row[c];
@@ -105,6 +107,7 @@ int floe_get_elements(void *instance, long long *id, signed char *type, double *
       row[mass] = atom->rmass[i];
       row[thickness] = fix->thickness[i];
       row[ice_area] = fix->ice_area[i];
+      row[cover] = fix->cover[i];
       row[ridged_area] = fix->ridged_area[i];
       for (int c = wind_impulse_x; c < column_count; ++c)
         row[c] = fix->impulse[i][c - wind_impulse_x];

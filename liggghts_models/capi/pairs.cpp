@@ -105,6 +105,7 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
       p.history[slot::rest_overlap] = row[1];
       if (parts.floe->ridging) {
         std::copy(row + 2, row + contact_columns, p.history + slot::ridge_closing);
+        p.history[slot::ridge_cover] = parts.floe->cover_between(p.i, p.j);
       }
     });
     parts.floe->history_changed();

@@ -40,7 +40,7 @@ const char *floe_error(void) { return floe::last_error().c_str(); }
 int floe_interface(void) { return FLOE_INTERFACE; }
 
 const char *floe_layout(void) {
-  return "x y theta u v omega radius mass thickness ice_area ridged_area "
+  return "x y theta u v omega radius mass thickness ice_area cover ridged_area "
          "wind_impulse_x wind_impulse_y ocean_impulse_x ocean_impulse_y;"
          "span thickness crack_a crack_b lo_ax lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by;"
          "slip rest_overlap ridge_closing ridge_thickness ridge_length";

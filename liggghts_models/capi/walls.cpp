@@ -8,6 +8,7 @@
 
 #include "atom.h"
 #include "capi.h"
+#include "fix_floe_integrate.h"
 #include "fix_floe_walls.h"
 #include "lammps.h"
 #include "liggghts_error.h"
@@ -57,6 +58,7 @@ int floe_put_wall_contacts(void *instance, long long n, const long long *ids,
                            const double *columns) {
   return floe::guarded([&] {
     FixFloeWalls *walls = walls_of(instance);
+    const FixFloeIntegrate *fix = floe::find_parts(static_cast<LAMMPS *>(instance)).fix;
     const Atom *atom = static_cast<LAMMPS *>(instance)->atom;
     std::unordered_multimap<long long, long long> rows;
     for (long long k = 0; k < n; ++k) rows.emplace(ids[2 * k], k);
@@ -65,8 +67,8 @@ int floe_put_wall_contacts(void *instance, long long n, const long long *ids,
       for (auto found = range.first; found != range.second; ++found) {
         const long long k = found->second;
         const double *row = columns + contact_columns * k;
-        walls->put(atom->tag[i],
-                   {static_cast<int>(ids[2 * k + 1]), {row[0], row[1], {row[2], row[3], row[4]}}});
+        walls->put(atom->tag[i], {static_cast<int>(ids[2 * k + 1]),
+                                  {row[0], row[1], {row[2], row[3], row[4], fix->cover[i]}}});
       }
     }
   });

@@ -17,11 +17,12 @@ template <bool Exact>
   ContactRow &row = t.rows[number];
   RidgeRow &ridge = t.ridges[number];
   const double span = (pose.radius_one + pose.radius_two) - row.rest;
-  Ridge now{ridge.closing, ridge.thickness, ridge.length};
+  Ridge now{ridge.closing, ridge.thickness, ridge.length, t.covers[number]};
   const double before = span - pose.distance;
   const double closed = t.ridging->close_ridge(row.stiffness, span, before, now);
   row.rest += closed;
   ridge = {now.closing, now.thickness, now.length, t.ridging->ridging_limit(now)};
+  t.covers[number] = now.cover;
   const double overlap = ((pose.radius_one + pose.radius_two) - pose.distance) - row.rest;
   // Over the step the force grew from that of the overlap before it.
   const double vn = (pose.v.x * pose.d.x + pose.v.y * pose.d.y) / pose.distance;

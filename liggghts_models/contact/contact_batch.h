@@ -34,6 +34,7 @@ struct ContactTask {
   Ends *const ends;
   ContactRow *const rows;
   RidgeRow *const ridges;
+  double *const covers;
 };
 
 // The terms of the law: what is off is not in the code. Exact loads take two rows each.

@@ -16,7 +16,7 @@ namespace slot {
 enum Common { span = 0 };
 enum Contact { slip = 1, rest_overlap, contact_size };
 // With ridging a contact carries these too.
-enum Ridge { ridge_closing = contact_size, ridge_thickness, ridge_length, ridge_size };
+enum Ridge { ridge_closing = contact_size, ridge_thickness, ridge_length, ridge_cover, ridge_size };
 enum Bond {
   crack_a = 1,
   crack_b,
@@ -46,13 +46,15 @@ inline BondShape bond_shape(const double *h) {
 }
 
 inline Ridge ridge_at(const double *h) {
-  return {h[slot::ridge_closing], h[slot::ridge_thickness], h[slot::ridge_length]};
+  return {h[slot::ridge_closing], h[slot::ridge_thickness], h[slot::ridge_length],
+          h[slot::ridge_cover]};
 }
 
 inline void put_ridge(const Ridge &r, double *h) {
   h[slot::ridge_closing] = r.closing;
   h[slot::ridge_thickness] = r.thickness;
   h[slot::ridge_length] = r.length;
+  h[slot::ridge_cover] = r.cover;
 }
 
 inline bool is_bond(int flag, const double *h) { return flag && h[slot::span] != 0.0; }

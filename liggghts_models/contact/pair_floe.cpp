@@ -90,7 +90,8 @@ void PairFloe::loop_contacts(ContactSums &sums) {
                          fix_->damped_contact.data(),
                          contacts_.ends.data(),
                          contacts_.rows.data(),
-                         contacts_.ridges.data()};
+                         contacts_.ridges.data(),
+                         contacts_.covers.data()};
   const Body *bodies = task.bodies;
   const Ends *ends = task.ends;
   const int count = static_cast<int>(contacts_.ends.size());

@@ -72,8 +72,11 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   }
   double ridging_limit(const Ridge &r) const { return r.length * ridging_force(r).force; }
   double close_ridge(double stiffness, double span, double overlap, Ridge &r) const {
-    return ridge_closing(ridging_force(r), stiffness, span, overlap, r);
+    RidgeForce limit = ridging_force(r);
+    limit.slope += lead_slope(ridge, r, span, limit.force);
+    return ridge_closing(limit, stiffness, span, overlap, r);
   }
+  double cover_between(int lo, int hi) const;
   // Share of a contact's closed area that element i gives; a fixed one gives nothing.
   double share_of(int i, int j) const;
   bool touches(int i, int j) const;  // whether two elements may be in contact

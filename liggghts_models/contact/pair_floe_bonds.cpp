@@ -25,8 +25,16 @@ void PairFloe::start_contact(int number) {
   contacts_.rows[number] = {0.0, 0.0, c.stiffness, c.damping};
   if (!ridging) return;
   Ridge ridge{0.0, std::min(fix_->thickness[lo], fix_->thickness[hi]),
-              edge_share * 2.0 * std::min(atom->radius[lo], atom->radius[hi])};
+              edge_share * 2.0 * std::min(atom->radius[lo], atom->radius[hi]),
+              cover_between(lo, hi)};
+  contacts_.covers[number] = ridge.cover;
   contacts_.ridges[number] = {0.0, ridge.thickness, ridge.length, ridging_limit(ridge)};
+}
+
+// Of the way between two centres, the share that ice covers when they meet.
+double PairFloe::cover_between(int lo, int hi) const {
+  const double *radius = atom->radius, *cover = fix_->cover;
+  return (radius[lo] * cover[lo] + radius[hi] * cover[hi]) / (radius[lo] + radius[hi]);
 }
 
 void PairFloe::forget_contact(int number) { contacts_.ends[number].marked_j &= ~Ends::mark; }
@@ -58,7 +66,7 @@ PairFloe::Taken PairFloe::take_over(int number, double overlap, double force, do
   const bool own = lo < atom->nlocal && (hi >= atom->nlocal || lo < hi);
   contacts_.ends.push_back({own ? lo : hi, own ? hi : lo});
   contacts_.rows.push_back({});
-  if (ridging) contacts_.ridges.push_back({});
+  if (ridging) contacts_.add_ridge();
   contacts_.places.push_back(place);
   const int contact_number = static_cast<int>(contacts_.ends.size()) - 1;
   if (!(overlap > 0.0) && !(ridging && force > 0.0)) return {};
@@ -68,7 +76,7 @@ PairFloe::Taken PairFloe::take_over(int number, double overlap, double force, do
   if (!ridging || !(row.stiffness > 0.0)) return {};
   RidgeRow &ridge = contacts_.ridges[contact_number];
   ridge.length = length;
-  ridge.limit = ridging_limit({ridge.closing, ridge.thickness, ridge.length});
+  ridge.limit = ridging_limit(contacts_.ridge(contact_number));
   const double push = ridge_takeover(force, energy, ridge.limit, row.stiffness);
   row.rest -= push / row.stiffness;
   return {0.5 * push * push / row.stiffness, push};

@@ -59,7 +59,7 @@ void PairFloe::read_history() {
       const int number = static_cast<int>(contacts_.ends.size());
       contacts_.ends.push_back({i, j});
       contacts_.rows.push_back({});
-      if (ridging) contacts_.ridges.push_back({});
+      if (ridging) contacts_.add_ridge();
       contacts_.places.push_back({h, flag});
       if (!*flag) continue;
       start_contact(number);
@@ -69,6 +69,7 @@ void PairFloe::read_history() {
       const Ridge ridge = ridge_at(h);
       contacts_.ridges[number] = {ridge.closing, ridge.thickness, ridge.length,
                                   ridging_limit(ridge)};
+      contacts_.covers[number] = ridge.cover;
     }
   }
   stale_ = false;
@@ -93,9 +94,7 @@ void PairFloe::write_history() {
     h[slot::slip] = contacts_.rows[k].slip;
     h[slot::rest_overlap] = contacts_.rows[k].rest;
     if (!ridging) continue;
-    h[slot::ridge_closing] = contacts_.ridges[k].closing;
-    h[slot::ridge_thickness] = contacts_.ridges[k].thickness;
-    h[slot::ridge_length] = contacts_.ridges[k].length;
+    put_ridge(contacts_.ridge(static_cast<int>(k)), h);
   }
 }
 

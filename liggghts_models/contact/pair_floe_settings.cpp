@@ -69,7 +69,8 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   contact.shear_ratio = defaults::contact_shear_ratio;
   contact.damping = defaults::contact_damping;
   contact.friction = defaults::friction_coefficient;
-  ridge = {defaults::ridge_force, defaults::ridge_hardening, defaults::ridge_thickness};
+  ridge = {defaults::ridge_force, defaults::ridge_hardening, defaults::ridge_thickness,
+           defaults::lead_softening};
   for (; k < narg; ++k) {
     const std::string key = arg[k];
     if (key == "bonds")
@@ -96,6 +97,8 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
       ridge.hardening = number(key, false);
     else if (key == "ridge_thickness")
       ridge.thin = number(key, true);
+    else if (key == "lead_softening")
+      ridge.softening = number(key, false);
     else if (key == "bond_young")
       bond.young = number(key, true);
     else if (key == "poisson")

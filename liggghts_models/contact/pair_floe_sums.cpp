@@ -18,7 +18,8 @@ namespace floe {
 double PairFloe::share_of(int i, int j) const {
   if (atom->type[i] == FixFloeIntegrate::fixed_type) return 0.0;
   if (atom->type[j] == FixFloeIntegrate::fixed_type) return 1.0;
-  return ridge_share(fix_->thickness[i], fix_->thickness[j]);
+  return ridge_share(fix_->thickness[i] * lead_share(ridge, fix_->cover[i]),
+                     fix_->thickness[j] * lead_share(ridge, fix_->cover[j]));
 }
 
 PairSums PairFloe::sums(PairGran *pg) {

@@ -42,6 +42,7 @@ void ContactRecords::clear() {
   ends.clear();
   rows.clear();
   ridges.clear();
+  covers.clear();
   places.clear();
 }
 

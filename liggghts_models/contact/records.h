@@ -76,10 +76,18 @@ struct alignas(32) RidgeRow {
 struct ContactRecords {
   std::vector<Ends> ends;
   std::vector<ContactRow> rows;
-  std::vector<RidgeRow> ridges;  // with ridging only
+  std::vector<RidgeRow> ridges;  // with ridging only, as the next
+  std::vector<double> covers;    // share of ice between the centres
   std::vector<Place> places;
 
   void clear();
+  void add_ridge() {
+    ridges.push_back({});
+    covers.push_back(1.0);
+  }
+  Ridge ridge(int k) const {
+    return {ridges[k].closing, ridges[k].thickness, ridges[k].length, covers[k]};
+  }
 };
 
 }  // namespace floe

@@ -39,6 +39,7 @@ ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose
     if (h.ridge.length == 0.0) {
       h.ridge.thickness = wall.fix->thickness[i];
       h.ridge.length = 2.0 * edge_share * pose.radius_one;
+      h.ridge.cover = wall.fix->cover[i];
     }
     // A disc may begin with its centre right at the wall, where no ice is left between them.
     const double span = pose.radius_one - std::min(rest, 0.5 * pose.radius_one);

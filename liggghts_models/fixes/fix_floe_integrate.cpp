@@ -29,6 +29,7 @@ using namespace LAMMPS_NS;
 FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
     : Fix(lmp, narg, arg),
       thickness(nullptr),
+      cover(nullptr),
       ice_area(nullptr),
       theta(nullptr),
       ridged_area(nullptr),
@@ -45,11 +46,12 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
       first_kick(true),
       stop_at_fault(true),
       default_thickness(1.0),
+      default_cover(1.0),
       default_ice_area(-1.0) {
   if (!atom->sphere_flag) error->all(FLERR, "Fix floe/integrate needs atom_style granular");
   time_integrate = 1;
   create_attribute = 1;
-  comm_border = 1;
+  comm_border = 2;
   comm_forward = 2;
   restart_global = restart_peratom = 1;
   vector_flag = 1;
@@ -75,6 +77,7 @@ FixFloeIntegrate::~FixFloeIntegrate() {
   atom->delete_callback(id, 1);
   atom->delete_callback(id, 2);
   memory->destroy(thickness);
+  memory->destroy(cover);
   memory->destroy(ice_area);
   memory->destroy(theta);
   memory->destroy(ridged_area);
@@ -137,7 +140,10 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
       law.sin_turn = std::sin(angle * (M_PI / 180.0));
     } else if (key == "thickness")
       default_thickness = not_negative(name);
-    else if (key == "ice_area")
+    else if (key == "cover") {
+      default_cover = not_negative(name);
+      if (default_cover > 1.0) fail("cover must not be above 1");
+    } else if (key == "ice_area")
       default_ice_area = not_negative(name);
     else if (key == "wind_velocity") {
       forcing.velocity[0] = speed(name, 0);
@@ -276,6 +282,7 @@ void FixFloeIntegrate::freeze(int i, int kind, double speed) {
 
 void FixFloeIntegrate::grow_arrays(int nmax) {
   memory->grow(thickness, nmax, "floe/integrate:thickness");
+  memory->grow(cover, nmax, "floe/integrate:cover");
   memory->grow(ice_area, nmax, "floe/integrate:ice_area");
   memory->grow(theta, nmax, "floe/integrate:theta");
   memory->grow(ridged_area, nmax, "floe/integrate:ridged_area");
@@ -286,6 +293,7 @@ void FixFloeIntegrate::grow_arrays(int nmax) {
 
 void FixFloeIntegrate::copy_arrays(int i, int j, int) {
   thickness[j] = thickness[i];
+  cover[j] = cover[i];
   ice_area[j] = ice_area[i];
   theta[j] = theta[i];
   ridged_area[j] = ridged_area[i];
@@ -297,6 +305,7 @@ void FixFloeIntegrate::copy_arrays(int i, int j, int) {
 
 void FixFloeIntegrate::set_arrays(int i) {
   thickness[i] = default_thickness;
+  cover[i] = default_cover;
   ice_area[i] = default_ice_area;
   ridged_area[i] = bonds_made[i] = 0.0;
   for (int k = 0; k < impulse_numbers; ++k) impulse[i][k] = 0.0;
@@ -304,13 +313,19 @@ void FixFloeIntegrate::set_arrays(int i) {
 }
 
 int FixFloeIntegrate::pack_border(int n, int *list, double *buf) {
-  for (int k = 0; k < n; ++k) buf[k] = thickness[list[k]];
-  return n;
+  for (int k = 0; k < n; ++k) {
+    buf[2 * k] = thickness[list[k]];
+    buf[2 * k + 1] = cover[list[k]];
+  }
+  return 2 * n;
 }
 
 int FixFloeIntegrate::unpack_border(int n, int first, double *buf) {
-  std::memcpy(thickness + first, buf, n * sizeof(double));
-  return n;
+  for (int k = 0; k < n; ++k) {
+    thickness[first + k] = buf[2 * k];
+    cover[first + k] = buf[2 * k + 1];
+  }
+  return 2 * n;
 }
 
 int FixFloeIntegrate::pack_exchange(int i, double *buf) {
@@ -319,7 +334,8 @@ int FixFloeIntegrate::pack_exchange(int i, double *buf) {
   buf[2] = theta[i];
   buf[3] = ridged_area[i];
   buf[4] = bonds_made[i];
-  for (int k = 0; k < impulse_numbers; ++k) buf[5 + k] = impulse[i][k];
+  buf[5] = cover[i];
+  for (int k = 0; k < impulse_numbers; ++k) buf[6 + k] = impulse[i][k];
   return own_numbers;
 }
 
@@ -329,9 +345,10 @@ int FixFloeIntegrate::unpack_exchange(int i, double *buf) {
   theta[i] = buf[2];
   ridged_area[i] = buf[3];
   bonds_made[i] = buf[4];
-  for (int k = 0; k < impulse_numbers; ++k) impulse[i][k] = buf[5 + k];
+  cover[i] = buf[5];
+  for (int k = 0; k < impulse_numbers; ++k) impulse[i][k] = buf[6 + k];
   set_orientation(i, theta[i]);
   return own_numbers;
 }
 
-double FixFloeIntegrate::memory_usage() { return 11.0 * atom->nmax * sizeof(double); }
+double FixFloeIntegrate::memory_usage() { return 12.0 * atom->nmax * sizeof(double); }

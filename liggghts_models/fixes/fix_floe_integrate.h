@@ -30,7 +30,7 @@ class FixFloeIntegrate : public Fix {
   static constexpr int fixed_type = 2;  // elements of this type never move
   static constexpr int impulse_numbers = 4;
   // That an element takes along to another rank or to a restart file.
-  static constexpr int own_numbers = 5 + impulse_numbers;
+  static constexpr int own_numbers = 6 + impulse_numbers;
 
   FixFloeIntegrate(class LAMMPS *, int, char **);
   ~FixFloeIntegrate() override;
@@ -68,6 +68,7 @@ class FixFloeIntegrate : public Fix {
   void fault_at(int i, int j);
 
   double *thickness;    // m, of elements and ghosts
+  double *cover;        // share of an element that ice covers, of elements and ghosts
   double *ice_area;     // m2
   double *theta;        // rad
   double *ridged_area;  // m2, turned into ridges since the element was made
@@ -121,7 +122,7 @@ class FixFloeIntegrate : public Fix {
   bool has_run_ = false;
   bool first_kick;     // no step was made since the elements were set
   bool stop_at_fault;  // end the run; else keep the element where it is and let the driver ask
-  double default_thickness, default_ice_area;
+  double default_thickness, default_cover, default_ice_area;
   std::string variable_names_[4];  // of wind u v and ocean u v; empty: a number
   int variables_[4] = {-1, -1, -1, -1};
   bool with_variables_ = false;

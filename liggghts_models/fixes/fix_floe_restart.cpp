@@ -20,7 +20,7 @@ using namespace LAMMPS_NS;
 namespace {
 
 // Of the numbers in a restart file: raised whenever their layout changes.
-constexpr double restart_version = 2.0;
+constexpr double restart_version = 3.0;
 constexpr int ledger_size = sizeof(floe::Ledger) / sizeof(double);
 // Of one element, how many they are included.
 constexpr int element_numbers = 1 + FixFloeIntegrate::own_numbers;

@@ -20,7 +20,7 @@ using floe::WallPoint;
 namespace {
 
 constexpr int faces_per_group = 32;
-constexpr int packed = 6;  // numbers of a contact that go to another rank
+constexpr int packed = 7;  // numbers of a contact that go to another rank
 // A ridge is remembered until the element is this share of its radius away from the wall.
 constexpr double memory_share = 0.1;
 
@@ -105,7 +105,7 @@ int FixFloeWalls::pack_exchange(int i, double *buf) {
   for (const Contact &c : found->second) {
     const floe::WallHistory &h = c.history;
     for (double value : {static_cast<double>(c.face), h.slip, h.rest_overlap, h.ridge.closing,
-                         h.ridge.thickness, h.ridge.length}) {
+                         h.ridge.thickness, h.ridge.length, h.ridge.cover}) {
       buf[n++] = value;
     }
   }
@@ -117,7 +117,8 @@ int FixFloeWalls::unpack_exchange(int i, double *buf) {
   const int count = static_cast<int>(buf[0]);
   for (int k = 0; k < count; ++k) {
     const double *row = buf + 1 + packed * k;
-    put(atom->tag[i], {static_cast<int>(row[0]), {row[1], row[2], {row[3], row[4], row[5]}}});
+    put(atom->tag[i],
+        {static_cast<int>(row[0]), {row[1], row[2], {row[3], row[4], row[5], row[6]}}});
   }
   return 1 + packed * count;
 }

@@ -22,6 +22,7 @@ constexpr double friction_coefficient = 0.3;       // Coulomb
 constexpr double ridge_force = 26126.0;            // N/m2
 constexpr double ridge_hardening = 928.0;          // N/m4
 constexpr double ridge_thickness = 0.3;            // m
+constexpr double lead_softening = 20.0;            // ratio
 constexpr double air_drag = 0.00156;               // kg/m3, density times coefficient
 constexpr double water_drag = 5.643;               // kg/m3, density times coefficient
 constexpr double ice_density = 917.0;              // kg/m3

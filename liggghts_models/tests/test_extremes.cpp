@@ -105,14 +105,15 @@ TEST_CASE("extremes: contacts push within their law's bound") {
 
 TEST_CASE("extremes: ridges give way at their force, whatever the ice") {
   Uniform random(4);
-  const RidgeMaterial m{26126.0, 928.0, 0.3};
   for (int k = 0; k < trials; ++k) {
+    const RidgeMaterial m{26126.0, 928.0, 0.3, k % 2 ? 0.0 : 20.0};
     Ridge r{random(0, 1) * decades(random, 1e-3, 1e5), decades(random, 1e-8, 50.0),
-            decades(random, 1.0, 1e5)};
+            decades(random, 1.0, 1e5), k % 3 ? 1.0 : random(0.0, 1.0)};
     const double strength = k % 10 == 0 ? 0.0 : decades(random, 1.0, 1e9);
     const double span = decades(random, 2.0, 2e5), overlap = random(0.0, 0.9) * span;
     const double stiffness = contact_stiffness(1e8, r.thickness, decades(random, 1e-8, 30.0));
-    const RidgeForce limit = ridge_force(m, strength, r);
+    RidgeForce limit = ridge_force(m, strength, r);
+    limit.slope += lead_slope(m, r, span, limit.force);
     CHECK(std::isfinite(limit.force));
     CHECK(limit.force >= 0.0);
     CHECK(limit.slope >= 0.0);
@@ -122,6 +123,8 @@ TEST_CASE("extremes: ridges give way at their force, whatever the ice") {
     CHECK(closing <= overlap * (1 + 1e-12));
     CHECK(r.thickness >= before.thickness);
     CHECK(std::isfinite(r.thickness));
+    CHECK(r.cover >= before.cover);
+    CHECK(r.cover <= 1.0);
     // What is left of the overlap pushes with no more than the ridge bears.
     const double bears = r.length * (limit.force + limit.slope * closing);
     CHECK(stiffness * (overlap - closing) <= bears * (1 + 1e-9) + 1e-9 * stiffness * overlap);

@@ -103,6 +103,55 @@ TEST_CASE("ridge: damping does not lift the force above the limit, nor hold the 
   CHECK(contact_force<false, true>(m, c, pose, 2.0, 0.1, slip, loss, limit).f.x == 0.0);
 }
 
+TEST_CASE("ridge: open water closes first, and then the force is that of ice without leads") {
+  RidgeMaterial leads = hopkins;
+  leads.softening = 20.0;
+  const double stiffness = 1e8, length = 1000.0, start = 4000.0, h0 = 0.9, cover = 0.9;
+  Ridge r{0.0, h0, length, cover};
+  double rest = 0.0;
+  for (int k = 1; k <= 6000; ++k) {
+    const double pressed = 0.1 * k, span = start - rest;
+    RidgeForce limit = ridge_force(leads, strength, r);
+    limit.slope += lead_slope(leads, r, span, limit.force);
+    rest += ridge_closing(limit, stiffness, span, pressed - rest, r);
+    // The ice between the centres keeps its volume, and its area while there is water.
+    CHECK(r.thickness * (start - rest) == doctest::Approx(h0 * start).epsilon(1e-12));
+    const double now = cover * start / (start - rest);
+    CHECK(r.cover == doctest::Approx(std::min(now, 1.0)).epsilon(1e-12));
+    // Hibler's strength per thickness, with what crushes ice for P*.
+    const double whole = length * strength * r.thickness * std::exp(-20.0 * (1.0 - r.cover));
+    CHECK(stiffness * (pressed - rest) <= whole * (1 + 1e-9));
+    if (r.closing > 0.0 && k % 100 == 0) {
+      CHECK(stiffness * (pressed - rest) == doctest::Approx(whole).epsilon(1e-3));
+    }
+  }
+  CHECK(r.cover == 1.0);
+  CHECK(r.closing > (1.0 - cover) * start);
+  CHECK(ridge_force(leads, strength, r).force == ridge_force(hopkins, strength, r).force);
+  // Half of the water gone: a third of the force.
+  const Ridge half{0.0, h0, length, 0.95}, none{0.0, h0, length};
+  const double share =
+      ridge_force(leads, strength, half).force / ridge_force(leads, strength, none).force;
+  CHECK(share == doctest::Approx(std::exp(-1.0)).epsilon(1e-14));
+  CHECK(ridge_force(hopkins, strength, half).force == ridge_force(hopkins, strength, none).force);
+}
+
+TEST_CASE("ridge: the slope of the force with leads is that of the force") {
+  RidgeMaterial leads = hopkins;
+  leads.softening = 20.0;
+  Uniform u(9);
+  for (int k = 0; k < 300; ++k) {
+    const double span = u(2e3, 5e4);
+    const Ridge r{u(0, 1000), u(0.7, 3.0), 1.0, u(0.5, 0.99)};
+    const double force = ridge_force(leads, strength, r).force, step = 1e-6 * span;
+    // At the same thickness: its growth is not in the slope, nor was it without leads.
+    const Ridge next{r.closing, r.thickness, 1.0, r.cover * span / (span - step)};
+    const double grown = (ridge_force(leads, strength, next).force - force) / step;
+    CHECK(lead_slope(leads, r, span, force) == doctest::Approx(grown).epsilon(1e-4));
+  }
+  CHECK(lead_slope(leads, {0.0, 1.0, 1.0, 1.0}, 1e4, 1e5) == 0.0);
+}
+
 TEST_CASE("ridge: the shares add up and the thinner element gives more") {
   CHECK(ridge_share(1.0, 1.0) == 0.5);
   CHECK(ridge_share(0.5, 1.5) == 0.75);

@@ -32,9 +32,17 @@ def check_elements(elements: Arrays) -> None:
             bad, rule = ~(values >= 0) | ~np.isfinite(values), "at least 0"
         else:
             bad, rule = ~np.isfinite(values), "finite"
-        if bad.any():
-            k = int(np.flatnonzero(bad)[0])
-            raise FloeError(f"{name} of element {ids[k]} must be {rule}, not {values[k]}.")
+        _refuse(ids, name, values, bad, rule)
+    if "cover" in elements:
+        cover = np.asarray(elements["cover"], dtype=float)
+        _refuse(ids, "cover", cover, ~((cover >= 0) & (cover <= 1)), "from 0 to 1")
+
+
+def _refuse(ids: np.ndarray, name: str, values: np.ndarray, bad: np.ndarray, rule: str) -> None:
+    """Refuse the first of the elements whose values are bad."""
+    if bad.any():
+        k = int(np.flatnonzero(bad)[0])
+        raise FloeError(f"{name} of element {ids[k]} must be {rule}, not {values[k]}.")
 
 
 def _check_pairs(elements: Arrays, table: Arrays, names: tuple[str, ...], kind: str) -> None:

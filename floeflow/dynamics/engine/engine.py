@@ -115,7 +115,8 @@ class Engine:
         elements : dict of ndarray, shape (n,)
             id (ascending), type (1 mobile, 2 fixed), x, y (m), theta (rad), u, v (m/s),
             omega (rad/s), radius (m), mass (kg), thickness (m), ice_area (m2); optional
-            ridged_area (m2, 0 where absent), which ridging adds to.
+            cover (share that ice covers, 1 where absent) and ridged_area (m2, 0 where absent),
+            which ridging adds to.
         bonds : dict of ndarray, shape (nb,), optional
             As from `bondtable.new_bonds`.
         contacts : dict of ndarray, shape (nc,), optional

@@ -38,6 +38,8 @@ class EngineParams:
     ridge_force, ridge_hardening, ridge_thickness : float
         Ridging force per contact length and ridge thickness, N/m2; its growth with closing per
         squared thickness, N/m4; thickness from which on ice crushes instead, m.
+    lead_softening : float
+        Ridging force falls by exp(-lead_softening (1 - cover)) with open water.
     wind_stress_factor, ocean_stress_factor : float
         Density times drag coefficient of air and of water, kg/m3.
     turning_angle : float
@@ -85,6 +87,7 @@ class EngineParams:
     ridge_force: float = 26126.0
     ridge_hardening: float = 928.0
     ridge_thickness: float = 0.3
+    lead_softening: float = 20.0
     wind_stress_factor: float = AIR_DENSITY * 1.2e-3
     ocean_stress_factor: float = SEAWATER_DENSITY * 5.5e-3
     turning_angle: float = 0.0
@@ -171,6 +174,7 @@ class EngineParams:
             f"pair_style gran model floe bonds {_yes(self.bonds)} friction {_yes(self.friction)}"
             f" ridging {_yes(self.ridging)} ridge_force {self.ridge_force!r}"
             f" ridge_hardening {self.ridge_hardening!r} ridge_thickness {self.ridge_thickness!r}"
+            f" lead_softening {self.lead_softening!r}"
             f" bond_young {self.young_modulus!r} poisson {self.poisson_ratio!r}"
             f" bond_damping {self.bond_damping!r} compressive_strength {strength}"
             f" tensile_share {self.tensile_share!r}"

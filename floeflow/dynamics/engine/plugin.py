@@ -27,7 +27,7 @@ _COUNTED = ctypes.POINTER(ctypes.c_longlong)
 # Result of a function that fails where something is wrong in the plugin itself.
 _DONE = object()
 # Version of the plugin's C interface (FLOE_INTERFACE in liggghts_models/capi/capi.h).
-INTERFACE = 2
+INTERFACE = 3
 _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "floe_error": (ctypes.c_char_p, []),
     "floe_interface": (ctypes.c_int, []),

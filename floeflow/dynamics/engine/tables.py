@@ -14,7 +14,7 @@ from floeflow.state.bonds import BOND_COLUMNS, CONTACT_COLUMNS, RIDGE_COLUMNS, A
 IMPULSES = ("wind_impulse_x", "wind_impulse_y", "ocean_impulse_x", "ocean_impulse_y")
 # Columns of an element in the plugin's order (liggghts_models/capi/capi.h).
 COLUMNS = (
-    *("x", "y", "theta", "u", "v", "omega", "radius", "mass", "thickness", "ice_area"),
+    *("x", "y", "theta", "u", "v", "omega", "radius", "mass", "thickness", "ice_area", "cover"),
     "ridged_area",
     *IMPULSES,
 )
@@ -26,9 +26,10 @@ def stack_columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
     """Columns of a table side by side, shape (rows, columns)."""
     # Only ridging has the columns that may be missing; without it, and at its start, they are 0.
     none = np.zeros(len(next(iter(table.values()))))
-    optional = ("ridged_area", *IMPULSES, *RIDGE_COLUMNS)
+    optional = dict.fromkeys(("ridged_area", *IMPULSES, *RIDGE_COLUMNS), none)
+    optional["cover"] = none + 1.0
     columns = [
-        np.asarray(table.get(name, none) if name in optional else table[name], dtype=float)
+        np.asarray(table.get(name, optional[name]) if name in optional else table[name], float)
         for name in names
     ]
     return np.ascontiguousarray(np.column_stack(columns))

@@ -4,7 +4,8 @@
 Each fresh element is a mixture of old ones. A pair of fresh neighbours is bonded as the pairs of
 their parts were on average: parts of one old element hold together wholly, parts of a bonded pair
 by the share of the glue line that was whole, parts of elements side by side that were not bonded
-not at all. docs/theory/remap.md has the rule.
+not at all. Those that held best are bonded, as many as keep the pack's strength. docs/theory/remap.md
+has the rule.
 """
 
 from __future__ import annotations
@@ -24,10 +25,13 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Index = NDArray[np.int64]
 
-# Neighbours of which less than this share held together are not bonded.
-LEAST_BOND = 0.5
-# Fresh neighbours of which at least this share was pressed together still resist at once.
-LEAST_PRESSED = 0.5
+# Neighbours of which less than this share held together are not bonded in any case; with the coast
+# those of which less than half did.
+LEAST_BOND, LEAST_COAST_BOND = 0.2, 0.5
+# Fresh neighbours of which less than this share was pressed together begin anew in any case.
+LEAST_PRESSED = 0.2
+# A sum larger by less than this share is the same.
+ROUND_OFF = 1.0e-9
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,9 @@ def holding(
 ) -> tuple[sparse.csr_matrix, sparse.csr_matrix, sparse.csr_matrix]:
     """Tables of old pairs: how whole, how cracked at the right end, how thick where whole.
 
-    Elements that do not lie side by side hold together as far as those between them do.
+    Elements that do not lie side by side hold together as far as those between them do. Within an
+    element bonds are as thick as those around it: its ice is thicker than young bonds, but the
+    pack is no stronger than these.
     """
     count = len(old["id"])
     lo, hi = (element_rows(old["id"], bonds[f"id_{end}"]) for end in ("lo", "hi"))
@@ -107,11 +113,37 @@ def holding(
         np.append(hi, lo),
         np.append(bonds["crack_a"], bonds["crack_b"]),
     )
-    thick = sparse.diags(old["thickness"])
+    around = np.bincount(np.append(lo, hi), np.append(whole, whole), minlength=count)
+    bearing = np.bincount(
+        np.append(lo, hi),
+        np.append(whole * bonds["thickness"], whole * bonds["thickness"]),
+        minlength=count,
+    )
+    mean = np.divide(bearing, around, out=np.array(old["thickness"], float), where=around > 0)
+    thick = sparse.diags(mean)
     half = 0.5 * (thick @ (held - both) + (held - both) @ thick)
     bonded = np.append(whole, whole) * np.append(bonds["thickness"], bonds["thickness"])
     thickness = half + _table(count, np.append(lo, hi), np.append(hi, lo), bonded)
     return held.tocsr(), right, thickness.tocsr()
+
+
+def best(share: Array, amount: Array, total: float, least: float) -> Flags:
+    """Those with the largest shares, as many as have this total amount in sum, (k,).
+
+    Parameters
+    ----------
+    share, amount : ndarray
+        By which they are chosen, and of which the total is kept, (k,).
+    total : float
+        Of the amounts; one that would go beyond it is left out, and all that follow.
+    least : float
+        Smaller shares are not chosen.
+    """
+    order = np.argsort(-share, kind="stable")
+    fits = np.cumsum(amount[order]) <= total * (1.0 + ROUND_OFF)
+    out = np.zeros(len(share), dtype=bool)
+    out[order] = fits & (share[order] >= least)
+    return out
 
 
 def fresh_bonds(
@@ -152,7 +184,13 @@ def fresh_bonds(
     rest = np.maximum(1.0 - whole - crack_a - crack_b, 0.0)
     thickness = mean_over_parts(thick, ancestry.share, lo, hi) / np.maximum(whole, 1e-300)
     thickness = np.minimum(thickness, np.minimum(fresh["thickness"][lo], fresh["thickness"][hi]))
-    keep = (whole > LEAST_BOND) & (thickness > 0)
+    # What was whole, in whole length: no more is whole now.
+    before = bonds["length"] * (1.0 - bonds["crack_a"] - bonds["crack_b"])
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T) * whole
+    keep = best(np.where(thickness > 0, whole, 0.0), length, float(before.sum()), LEAST_BOND)
+    strength = float((length * thickness)[keep].sum())
+    most = float((before * bonds["thickness"]).sum())
+    thickness = thickness * min(1.0, most / strength) if strength > 0 else thickness
     lo, hi, ends = lo[keep], hi[keep], ends[keep]
     # Elements that fill their cells in part have lines as much shorter, about their middles.
     part = np.minimum(
@@ -200,7 +238,7 @@ def coast_bonds(
         return ancestry.share.T @ sparse.csr_matrix((values, (ice, land)), shape=shape)
 
     held = sparse.coo_matrix(over_parts(whole))
-    most = held.data >= LEAST_BOND
+    most = held.data >= LEAST_COAST_BOND
     one, two, share = held.row[most], held.col[most], np.minimum(held.data[most], 1.0)
     dx, dy = coast["x"][two] - fresh["x"][one], coast["y"][two] - fresh["y"][one]
     span, radii = np.hypot(dx, dy), (fresh["radius"][one], coast["radius"][two])
@@ -231,11 +269,12 @@ def coast_bonds(
 def fresh_contacts(
     ancestry: Ancestry, contacts: Arrays, fresh: Arrays, cells: Cells, bonded: Flags, gap: float
 ) -> Arrays:
-    """Contacts of fresh elements whose parts were ridging against each other.
+    """Contacts of fresh elements whose parts were pressed or had ridged against each other.
 
     They reach across the gap between the fresh discs and go on from the mean force per contact
     length, closing, thickness and time in touch of their parts; slip is let go. A mean overlap
-    would make other forces where thicknesses and sizes differ, above what the ridges hold.
+    would make other forces where thicknesses and sizes differ, above what the ridges hold. No more
+    length is in touch than was, and all forces together are no larger.
 
     Parameters
     ----------
@@ -253,7 +292,7 @@ def fresh_contacts(
     elastic = old["radius"][a] + old["radius"][b] - apart - contacts["rest_overlap"]
     length = np.where(contacts["ridge_length"] > 0, contacts["ridge_length"], 1.0)
     push = np.maximum(elastic, 0.0) * contact_share(old, a, b) / length
-    pressed = contacts["ridge_closing"] > 0
+    pressed = (contacts["ridge_closing"] > 0) | (elastic > 0)
     a, b = a[pressed], b[pressed]
     partners = np.bincount(np.append(a, b), minlength=count)
 
@@ -273,15 +312,18 @@ def fresh_contacts(
     lo, hi, overlap = lo[near], hi[near], (reach - distance)[near]
     weight = mean_over_parts(table(np.ones(len(pressed))), share, lo, hi)
     # Parts that do not lie side by side say nothing.
-    keep = weight >= LEAST_PRESSED * mean_over_parts(_beside(old, gap), share, lo, hi)
-    keep &= weight > 0.0
+    beside = mean_over_parts(_beside(old, gap), share, lo, hi)
+    touching = np.divide(weight, beside, out=np.zeros(len(lo)), where=beside > 0)
+    new = 2.0 * EDGE_SHARE * np.minimum(fresh["radius"][lo], fresh["radius"][hi])
+    keep = best(touching, new, float(length[pressed].sum()), LEAST_PRESSED)
     lo, hi, overlap, weight = lo[keep], hi[keep], overlap[keep], weight[keep]
 
     def mean(values: Array) -> Array:
         return mean_over_parts(table(values), share, lo, hi) / weight
 
-    length = 2.0 * EDGE_SHARE * np.minimum(fresh["radius"][lo], fresh["radius"][hi])
-    carried = mean(push) * length / contact_share(fresh, lo, hi)
+    force, most = mean(push) * new[keep], float((push * length)[pressed].sum())
+    force *= min(1.0, most / max(float(force.sum()), 1e-300))
+    carried = force / contact_share(fresh, lo, hi)
     made: Arrays = {
         "id_lo": fresh["id"][lo],
         "id_hi": fresh["id"][hi],
@@ -289,7 +331,7 @@ def fresh_contacts(
         "rest_overlap": overlap - carried,
         "ridge_closing": mean(contacts["ridge_closing"]),
         "ridge_thickness": mean(contacts["ridge_thickness"]),
-        "ridge_length": length,
+        "ridge_length": new[keep],
     }
     if "touch_time" in contacts:
         made["touch_time"] = mean(contacts["touch_time"])

@@ -31,12 +31,13 @@ def close_areas(
     minimum_thickness: float,
     held: dict[str, Arrays] | None = None,
     time: float = 0.0,
+    leads: bool = True,
 ) -> xr.Dataset:
     """Take the area that was turned into ridges from the elements.
 
-    Ice and leads of an element close in proportion (its ice fraction stays), ice and snow keep
-    their volume, the disc shrinks with the area and moves to the centre of what is left, and what
-    was closed becomes unclaimed water. The lines of bonds stay where they are.
+    Open water of an element closes before its ice, ice and snow keep their volume, the disc
+    shrinks with the area and moves to the centre of what is left, and what was closed becomes
+    unclaimed water. The lines of bonds stay where they are.
 
     Parameters
     ----------
@@ -52,11 +53,14 @@ def close_areas(
         had closed before.
     time : float
         At which walls, if there are any, are where they are, s.
+    leads : bool
+        Off where `floeflow.column.thickness.redistribution` is yet to say what of the area was
+        water and what ice of which thickness: the ice fraction stays as it was until then.
 
     Returns
     -------
     xarray.Dataset
-        New state: area, place, radius, volumes, contacts, ``unclaimed_water``.
+        New state: area, place, radius, volumes, ice fraction, contacts, ``unclaimed_water``.
     """
     area = state["area"].values
     coast = state["type"].values == COAST
@@ -73,6 +77,11 @@ def close_areas(
     for name in _VOLUMES:
         if name in state:
             closed[name] = (state[name].dims, state[name].values / share[:, None])
+    if leads:
+        fraction = state["ice_fraction"].values
+        whole = np.maximum(fraction.sum(axis=1), np.finfo(float).tiny)
+        more = np.minimum(1.0 / share, np.maximum(1.0 / whole, 1.0))
+        closed["ice_fraction"] = (state["ice_fraction"].dims, fraction * more[:, None])
     water = float(state.attrs["unclaimed_water"]) + float((area - left).sum())
     closed.attrs = {**state.attrs, "unclaimed_water": water}
     after = element_arrays(closed, minimum_thickness)

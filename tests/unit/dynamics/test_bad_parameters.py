@@ -24,7 +24,8 @@ from support.rafts import bonded, lattice
 SIGNED = {"turning_angle"}
 MAY_BE_ZERO = {
     *("poisson_ratio", "bond_damping", "tensile_share", "contact_damping"),
-    *("friction_coefficient", "ridge_hardening", "wind_stress_factor", "ocean_stress_factor"),
+    *("friction_coefficient", "ridge_hardening", "lead_softening"),
+    *("wind_stress_factor", "ocean_stress_factor"),
 }
 NUMBERS = [
     f.name for f in dataclasses.fields(EngineParams) if str(f.type) in ("float", "float | None")
@@ -34,7 +35,8 @@ KEYS = [name for name, info in Dynamics.model_fields.items() if info.annotation 
 PLUGIN = (
     *("bond_young", "poisson", "bond_damping", "compressive_strength", "tensile_share"),
     *("friction_angle", "contact_young", "contact_shear_ratio", "contact_damping"),
-    *("friction_coefficient", "ridge_force", "ridge_hardening", "ridge_thickness", "reach"),
+    *("friction_coefficient", "ridge_force", "ridge_hardening", "ridge_thickness"),
+    *("lead_softening", "reach"),
 )
 ZERO_ELEMENT = {"radius", "mass"}
 

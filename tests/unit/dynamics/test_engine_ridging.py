@@ -72,6 +72,40 @@ def test_the_thinner_element_gives_more_of_its_area(log: Path) -> None:
     assert area.sum() == pytest.approx(closed, rel=1e-12)
 
 
+@pytest.mark.parametrize("cover", [(0.9, 0.9), (1.0, 0.8)])
+def test_leads_close_before_ice_ridges(log: Path, cover: tuple[float, float]) -> None:
+    # A tenth of the 2000 m between the centres is open water.
+    params = EngineParams(time_step=0.05, ridging=True, friction=False, compressive_strength=1e5)
+    length, stiffness = EDGE * 2000.0, params.contact_modulus / 2
+    steps = 0
+    with Engine(SELF, params, log) as engine:
+        engine.load(pressed((1.0, 1.0), speed=2.0) | {"cover": np.array(cover)})
+        for pressed_by in (100.0, 240.0):
+            engine.run(round(pressed_by / 0.1) - steps)
+            steps = round(pressed_by / 0.1)
+            closing = engine.contacts()["ridge_closing"][0]
+            path = np.linspace(0.0, closing, 20001)
+            open_share = np.maximum(1.0 - 0.9 * 2000.0 / (2000.0 - path), 0.0)
+            force = length * 1e5 * 2000.0 / (2000.0 - path) * np.exp(-20.0 * open_share)
+            work = np.mean(0.5 * (force[1:] + force[:-1])) * closing
+            assert engine.diagnostics()["dissipation_ridging"] == pytest.approx(work, rel=2e-3)
+            assert closing == pytest.approx(pressed_by - force[-1] / stiffness, rel=1e-4)
+            assert engine.elements()["ridged_area"][1] == pytest.approx(length * closing, rel=1e-12)
+    assert closing > 200.0 and force[0] < 0.14 * force[-1]
+
+
+def test_the_side_with_leads_gives_the_area(log: Path) -> None:
+    pair = discs([0.0, 2000.0], [0.0, 0.0]) | {"cover": np.array([1.0, 0.9])}
+    pair["mass"][:] = 1e27
+    pair["u"][1] = -1.0
+    params = EngineParams(time_step=0.05, ridging=True, compressive_strength=1e5)
+    with Engine(SELF, params, log) as engine:
+        engine.load(pair)
+        engine.run(1000)
+        area = engine.elements()["ridged_area"]
+    assert area[1] == pytest.approx(math.exp(2.0) * area[0], rel=1e-9) and area[0] > 0
+
+
 def collision(log: Path, step: float) -> tuple[float, float]:
     pair = discs([0.0, 2001.0], [0.0, 300.0])
     pair["u"][:], pair["v"][:] = [2.0, -2.0], [0.1, 0.0]

@@ -14,6 +14,7 @@ from floeflow.dynamics.remesh.remesh import cure
 from floeflow.dynamics.remesh.tables import overlapping_discs
 from floeflow.dynamics.ridging.ridging import contact_share
 from floeflow.scene import parse_scene
+from floeflow.state.bonds import EDGE_SHARE
 from floeflow.state.cells import Cells
 from floeflow.state.elements import joint_thickness
 from floeflow.state.schema import COAST, MOBILE, check_state
@@ -29,6 +30,13 @@ def strength(state: xr.Dataset) -> float:
     """Whole length times thickness of all bonds (m2)."""
     whole = 1.0 - state["bond_crack_a"] - state["bond_crack_b"]
     return float((state["bond_length"] * state["bond_thickness"] * whole).sum())
+
+
+def whole_length(state: xr.Dataset) -> float:
+    """Whole length of all bonds (m)."""
+    return float(
+        (state["bond_length"] * (1.0 - state["bond_crack_a"] - state["bond_crack_b"])).sum()
+    )
 
 
 def quiet(state: xr.Dataset, cells: Cells) -> np.ndarray:
@@ -104,6 +112,19 @@ def test_cracks_and_strength_are_carried(case: tuple) -> None:
     assert remapped(moved.isel(bond=slice(0, 0)), cells).sizes["bond"] == 0
 
 
+def test_a_remap_makes_no_pack_stronger(case: tuple) -> None:
+    # Half of the bonds are young: thinner than the ice beside them by far.
+    state, cells = case
+    random = np.random.default_rng(7)
+    some = state.isel(bond=np.flatnonzero(random.random(state.sizes["bond"]) < 0.5))
+    some = some.copy(deep=True)
+    some["bond_thickness"].values[:] *= 0.2
+    moved = jiggled(some, 0.25 * spacing_of(cells))
+    after = remapped(moved, cells)
+    assert 0.8 * strength(moved) < strength(after) <= (1 + 1e-9) * strength(moved)
+    assert 0.8 * whole_length(moved) < whole_length(after) <= (1 + 1e-9) * whole_length(moved)
+
+
 def test_new_bonds_are_free_of_stress(case: tuple) -> None:
     state, cells = case
     after = remapped(jiggled(state, 0.2 * spacing_of(cells)), cells)
@@ -127,11 +148,12 @@ def test_ridged_contacts_go_on(case: tuple) -> None:
         *(place[rows[:, 1]] - place[rows[:, 0]]).T
     )
     # The same force per contact length: overlap times the share of its stiffness, over the length.
-    push = 5e-4 * 2e4 / contact_share({"thickness": joint_thickness(state)}, *rows.T)
+    length = 2.0 * EDGE_SHARE * state["radius"].values[rows].min(axis=1)
+    push = 5e-4 * length / contact_share({"thickness": joint_thickness(state)}, *rows.T)
     made = {"id_lo": pairs[:, 0], "id_hi": pairs[:, 1], "slip": np.zeros(len(pairs)),
             "rest_overlap": gap - push, "ridge_closing": np.full(len(pairs), 30.0),
             "ridge_thickness": np.full(len(pairs), 1.7),
-            "ridge_length": np.full(len(pairs), 2e4)}  # fmt: skip
+            "ridge_length": length}  # fmt: skip
     touching = bare.drop_vars([n for n in bare if bare[n].dims == ("contact",)])
     for name, values in made.items():
         touching[f"contact_{name}"] = ("contact", values)

@@ -76,7 +76,6 @@ def test_area_volume_and_forces_over_the_boundary(tmp_path: Path) -> None:
     log = tmp_path / "log"
     state, ridged, params = ridged_state(log)
     assert (ridged > 0).sum() > 5 and (ridged[:6] == 0).all()
-    open_ones = state.sizes["contact"]
     closed = close_areas(state, ridged, 1e-3)
     check_state(closed)
     owned = float(closed["area"].sum()) + closed.attrs["unclaimed_water"]
@@ -86,9 +85,14 @@ def test_area_volume_and_forces_over_the_boundary(tmp_path: Path) -> None:
     for name in ("ice_volume", "snow_volume"):
         before, after = ((s["area"] * s[name].sum("category")).values for s in (state, closed))
         np.testing.assert_allclose(after, before, rtol=1e-14)
-    assert closed["ice_fraction"].identical(state["ice_fraction"])
+    # Leads close first: the ice area stays until there are none.
+    before, after = (s["area"].values * s["ice_fraction"].values.sum(1) for s in (state, closed))
+    room = closed["area"].values
+    np.testing.assert_allclose(after, np.minimum(before, room), rtol=1e-13)
+    assert (after < before).any() and (after[ridged > 0] == before[ridged > 0]).any()
+    kept = close_areas(state, ridged, 1e-3, leads=False)
+    assert kept["ice_fraction"].identical(state["ice_fraction"])
     assert ((closed["radius"] < state["radius"]).values == (ridged > 0)).all()
-    assert closed.sizes["contact"] <= open_ones
     assert (closed["contact_rest_overlap"].values < 0).any()
     # Each contact pushes as hard as before; where centres have moved it pushes along their line.
     before, after = pushes(state, params), pushes(closed, params)
@@ -163,7 +167,7 @@ def test_what_lies_beside_a_ridge_is_no_further_off_for_it(tmp_path: Path) -> No
         state[name] = ("element", 0 * x)
     state["type"] = ("element", np.array([1, 1, 1, 1, 2, 2], np.int8))
     state["area"] = ("element", np.where(state["type"] == 1, 4e6, 0.0))
-    state["ice_volume"].values[:] = 1.0
+    state["ice_volume"].values[:] = state["ice_fraction"].values[:] = 1.0
     state["contact_rest_overlap"].values[:] = 20.0
     # No contact tells where the ridges were: discs shrink about their centres.
     state["contact_ridge_closing"].values[:] = 0.0

@@ -25,7 +25,7 @@ def test_defaults_are_those_of_scenes(tmp_path: Path) -> None:
         f"contact_young {d.contact_modulus!r} contact_shear_ratio {CONTACT_SHEAR_RATIO!r} "
         f"contact_damping {d.contact_damping!r} friction_coefficient {d.friction_coefficient!r} "
         f"ridge_force {d.ridge_force!r} ridge_hardening {d.ridge_hardening!r} "
-        f"ridge_thickness {d.ridge_thickness!r} "
+        f"ridge_thickness {d.ridge_thickness!r} lead_softening {d.lead_softening!r} "
     )
     drag = (
         f"wind yes ocean_drag yes wind_velocity 30 -10 air_drag {AIR_DENSITY * d.air_drag!r} "
