@@ -241,7 +241,7 @@ def _add_field(data: xr.Dataset, name: str, values: Array) -> None:
 
 
 def _add_bands(data: xr.Dataset) -> None:
-    """Bounds of the thickness categories; the middle of the last, which has no end, is its start."""
+    """Bounds of the thickness categories; the last has no end and stands at its start."""
     bounds = category_bounds(data.sizes["iceband"])
     middle = 0.5 * (bounds[:-1] + bounds[1:])
     middle[-1] = bounds[-2]

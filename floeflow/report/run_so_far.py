@@ -142,7 +142,7 @@ def _files(run: SoFar, scratch: Path) -> RunFiles:
 
 
 def _grids(run: SoFar) -> Iterator[xr.Dataset]:
-    """Fields on the grid at all boundaries, made anew: those of chunks may be of an older program."""
+    """Fields on the grid at all boundaries, made anew: chunks may be of an older program."""
     mask = read_dataset(run.folder / "preprocess/mask.nc")
     yield make_grid(run.scene, read_state(run.path("state", window_name(0))), mask)
     paths = [run.path("elements", name) for name in run.chunks]

@@ -176,8 +176,9 @@ def warnings(
         found.append(f"Ice at the start is no observation: {number(mask.uniform)} of all water.")
     for note in notes:
         # What is of the very day says nothing that a reader must know.
-        if "from the start" in note and " 0.0 days" not in note:
-            found.append(f"Mask of another day: {note}.")
+        if note.endswith("days from the start") and not note.endswith(" 0.0 days from the start"):
+            file = note.partition(" of ")[2]
+            found.append(f"Mask of another day: {file}.")
         elif "filled" in note or "covers" in note:
             found.append(f"Mask: {note}.")
     if scene.forcing.source != "file":
@@ -191,13 +192,13 @@ def warnings(
             ratio = budget["relative"]
             size = DASH if ratio is None else f"{number(100.0 * ratio, 2)} %"
             found.append(f"Budget open: {budget['label']}, {size} of its turnover unexplained.")
-    return found
+    return list(dict.fromkeys(found))
 
 
 def facts(numbers: Mapping[str, Any], scene: Scene) -> dict[str, list[Fact]]:
     """Numbers of the chapters ice, motion and bonds, each with its source."""
     made: dict[str, list[Fact]] = {"ice": [], "motion": [], "bonds": []}
-    stocks = (("ice_area", "Ice area", "km2", 1e6), ("ice_volume", "Ice volume", "km3", 1e9))
+    stocks = (("ice_area", "Ice area", "10³ km2", 1e9), ("ice_volume", "Ice volume", "km3", 1e9))
     for name, label, unit, size in (*stocks, ("snow_volume", "Snow volume", "km3", 1e9)):
         if f"{name}_start" not in numbers:
             continue
@@ -207,14 +208,15 @@ def facts(numbers: Mapping[str, Any], scene: Scene) -> dict[str, list[Fact]]:
             made["ice"].append(Fact(f"{label}, {word}", value, unit, source))
         where = "export_*, inflow_*" if "rims" in scene.effects else f"{name}_beyond_*"
         for side, value in through_sides(numbers, name).items():
-            label_side = f"{label} that {'left' if value < 0 else 'came in'} through the {side}"
+            way = "left" if value < 0 else "came in"
+            label_side = f"{label} that {way} through the {side} side"
             fact = Fact(label_side, abs(value) / size, unit, f"diagnostics.nc: {where}")
             made["ice"].append(fact)
     for key, value in numbers.items():
         if key.startswith("gate_"):
             what, name = key.removeprefix("gate_").split("_", 1)
-            unit, size = ("km2", 1e6) if what == "area" else ("km3", 1e9)
-            label = f"Ice {what} through {name.replace('_', ' ')}, to the right of its line"
+            unit, size = ("10³ km2", 1e9) if what == "area" else ("km3", 1e9)
+            label = f"Ice {what} through {name.replace('_', ' ').title()}, to the right of its line"
             made["ice"].append(Fact(label, value / size, unit, f"diagnostics.nc: {key}"))
     for label, key, unit, source in (
         ("Mean net drift", "mean_drift_km", "km", "mean_displacement"),
