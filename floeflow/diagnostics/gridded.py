@@ -9,7 +9,7 @@ elements' totals (docs/theory/remap.md). What lies outside of the grid is writte
 import logging
 import math
 from functools import partial
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 import xarray as xr
@@ -174,7 +174,7 @@ def gridded_fields(
     follow(found, sea, per_ice, fields)
     fields["sispeed"] = np.hypot(fields["siu"], fields["siv"])
     fields["sidivvel"], fields["sishevel"] = strain_rates(
-        fields["siu"], fields["siv"], room.target.spacing
+        fields["siu"], fields["siv"], cast(Grid, room.target).spacing
     )
     method = remapper.weights["ice_area"].status
     fields["remap_method"] = np.where(has_ice, method, 0).astype(np.int8)

@@ -54,11 +54,10 @@ def ice_amounts(mobile: xr.Dataset) -> tuple[list[Field], dict[str, Array]]:
     if "surface_temperature" in mobile:
         warmth = (share * mobile["surface_temperature"].values).sum(axis=1)
         total = share.sum(axis=1)
-        mean = np.divide(warmth, total, out=np.full_like(total, np.nan), where=total > 0)
         # Elements without ice have no weight; a number there must only be finite.
-        amounts["sitemptop"] = np.where(
-            total > 0, mean, float(np.nanmean(mean)) if len(mean) else 0
-        )
+        some = float(warmth.sum() / total.sum()) if total.any() else 0.0
+        mean = np.divide(warmth, total, out=np.full_like(total, some), where=total > 0)
+        amounts["sitemptop"] = mean
         fields.append(Field("sitemptop", "intensive", "ice_area"))
     return fields, {name: np.asarray(values) for name, values in amounts.items()}
 

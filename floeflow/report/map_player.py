@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import base64
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from typing import Any
+from typing import Any, cast
 
 import contourpy
 import numpy as np
@@ -264,9 +264,8 @@ def land_path(land: xr.DataArray) -> str:
     x, y = (padded_axis(land[axis].values / 1e3) for axis in ("x", "y"))
     if values.max() < 0.5:
         return ""
-    polygons, codes = contourpy.contour_generator(
-        x, y, values, fill_type=contourpy.FillType.OuterOffset
-    ).filled(0.5, np.inf)
+    generator = contourpy.contour_generator(x, y, values, fill_type=contourpy.FillType.OuterOffset)
+    polygons, codes = cast(tuple[list[Array], list[Array]], generator.filled(0.5, np.inf))
     parts = []
     for points, offsets in zip(polygons, codes, strict=True):
         for start, end in zip(offsets[:-1], offsets[1:], strict=True):
@@ -308,7 +307,7 @@ def chosen_frames(count: int) -> NDArray[np.int64]:
     return chosen if chosen[-1] == count - 1 else np.append(chosen, count - 1)
 
 
-def time_labels(start: datetime, seconds: Sequence[float]) -> list[str]:
+def time_labels(start: datetime, seconds: Iterable[float]) -> list[str]:
     """Times as a reader takes them: dates alone where all are midnights."""
     moments = [start + timedelta(seconds=float(each)) for each in seconds]
     whole = all((at.hour, at.minute, at.second) == (0, 0, 0) for at in moments)
