@@ -19,6 +19,7 @@ from floeflow.analysis.plan import command as plan_command
 from floeflow.analysis.resolve import resolve_scene
 from floeflow.analysis.single_column import run as column_command
 from floeflow.core.errors import FloeError, answer
+from floeflow.report.run_so_far import report_so_far
 from floeflow.scene.docs import PROJECT
 
 app = typer.Typer(
@@ -99,6 +100,14 @@ def plan(context: typer.Context) -> None:
 def column(context: typer.Context) -> None:
     """Run one column of sea ice without elements (--help)."""
     raise typer.Exit(column_command.main(context.args))
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(help="results/<scene> of a run, ended or not.")],
+) -> None:
+    """Report what a run has left so far, also while it goes on."""
+    _end(partial(report_so_far, folder))
 
 
 @app.command()

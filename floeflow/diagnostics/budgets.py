@@ -26,6 +26,11 @@ class Limits:
     fair: float
 
 
+# A share of the turnover up to this is round-off, however small the change is.
+ROUND_OFF = 1e-8
+# No reader would call a budget closed whose residual is a larger share of what changed.
+OF_CHANGE = 0.1
+
 # Sums of a window's terms reach round-off, and so do the grid's totals. What depends on the time
 # step (energy of the DEM) cannot, and gets the width of its method.
 LIMITS: dict[str, Limits] = {
@@ -93,18 +98,21 @@ class Budget:
         ratios = self.relative
         worst = int(np.argmax(ratios)) if ratios.size else None
         value = float(ratios[worst]) if worst is not None else 0.0
+        change, left = self._total(self.change), self._total(self.residual)
+        of_change = float(relative(np.array([left]), np.array([change]))[0])
         return {
             "name": self.name,
             "label": self.label,
             "unit": self.unit,
-            "change": self._total(self.change),
+            "change": change,
             "terms": {name: self._total(term) for name, term in self.terms.items()},
-            "residual": self._total(self.residual),
+            "residual": left,
             "relative": value if np.isfinite(value) else None,
+            "of_change": of_change if np.isfinite(of_change) else None,
             "worst_window": int(self.windows[worst]) if worst is not None else None,
             "closed_limit": self.limits.closed,
             "fair_limit": self.limits.fair,
-            "verdict": verdict(value, self.limits),
+            "verdict": verdict(value, self.limits, of_change),
         }
 
 
@@ -115,9 +123,21 @@ def relative(residual: Array, scale: Array) -> Array:
     return np.where(size == 0, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
 
 
-def verdict(value: float, limits: Limits) -> str:
-    """Return 'closed', 'fair' or 'open' for a relative residual."""
-    if value <= limits.closed:
+def verdict(value: float, limits: Limits, of_change: float = 0.0) -> str:
+    """Return 'closed', 'fair' or 'open' for a residual.
+
+    Parameters
+    ----------
+    value : float
+        Share of the turnover, in the worst window.
+    limits : Limits
+        Up to which it is closed and fair.
+    of_change : float
+        Share of the run's change. A residual beyond round-off that is more than a tenth of what
+        changed makes the budget fair at best.
+    """
+    closed = value <= limits.closed and (value <= ROUND_OFF or of_change <= OF_CHANGE)
+    if closed:
         return "closed"
     return "fair" if value <= limits.fair else "open"
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""CF-1.10 description of gridded output: names, units, axes, bounds, projection, cell areas."""
+"""CF-1.11 description of gridded output: names, units, axes, bounds, projection, cell areas."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import netCDF4
@@ -11,52 +12,114 @@ import numpy as np
 import xarray as xr
 
 from floeflow import __version__
+from floeflow.column.thickness.categories import category_bounds
 from floeflow.core.atomic_write import write_whole
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
 from floeflow.scene import Scene
-from floeflow.scene.effects import output_variables
 from floeflow.transfer.stencil import Array
 
 MISSING = 1.0e20
 
-# Standard name, unit, meaning, what it is a mean over.
+
+@dataclass(frozen=True)
+class Described:
+    """What CF says of a field; names, units and cell methods are those of CMIP6's table SImon.
+
+    Parameters
+    ----------
+    standard_name : str
+        Empty where CF has none.
+    units, long_name : str
+        As in the file.
+    mean : str
+        What it is a mean over, as in ``cell_methods``.
+    scale : float
+        From the field as it is computed to the file's unit.
+    area_type : str
+        Name and value of a scalar coordinate that says of which area it is a fraction.
+    bands : bool
+        It has the dimension ``iceband``, the categories of thickness.
+    """
+
+    standard_name: str
+    units: str
+    long_name: str
+    mean: str
+    scale: float = 1.0
+    area_type: tuple[str, str] | None = None
+    bands: bool = False
+
+
+OF_SEA, OF_ICE = "area: mean where sea", "area: mean where sea_ice (comment: mask=siconc)"
+SHEAR = "maximum_over_coordinate_rotation_of_sea_ice_horizontal_shear_strain_rate"
+RIDGES, PONDS = ("typesirdg", "sea_ice_ridges"), ("typemp", "sea_ice_melt_pond")
 DESCRIPTIONS = {
-    "siconc": (
+    "siconc": Described(
         "sea_ice_area_fraction",
-        "1",
+        "%",
         "share of the cell's sea that is covered by ice",
-        "area: mean where sea",
+        OF_SEA,
+        100.0,
     ),
-    "sithick": (
+    "sithick": Described(
+        "sea_ice_thickness", "m", "thickness of the ice, averaged over the ice", OF_ICE
+    ),
+    "sivol": Described("sea_ice_thickness", "m", "ice volume per area of sea", OF_SEA),
+    "simass": Described("sea_ice_amount", "kg m-2", "mass of ice per area of sea", OF_SEA),
+    "sisnthick": Described(
+        "surface_snow_thickness", "m", "thickness of the snow, averaged over the ice", OF_ICE
+    ),
+    "sitemptop": Described(
+        "sea_ice_surface_temperature", "K", "temperature of the surface of ice or snow", OF_ICE
+    ),
+    "siitdconc": Described(
+        "sea_ice_area_fraction",
+        "%",
+        "share of the cell's sea that is covered by ice of a thickness category",
+        OF_SEA,
+        100.0,
+        bands=True,
+    ),
+    "siitdthick": Described(
         "sea_ice_thickness",
         "m",
-        "thickness of the ice, averaged over the ice",
-        "area: mean where sea_ice",
+        "thickness of the ice of a category, averaged over it",
+        "area: mean where sea_ice (comment: mask=siitdconc)",
+        bands=True,
     ),
-    "sivol": (
+    "sirdgconc": Described(
+        "area_fraction", "1", "share of the ice's area that is ridged", OF_ICE, area_type=RIDGES
+    ),
+    "sirdgthick": Described(
         "sea_ice_thickness",
         "m",
-        "ice volume per area of sea",
-        "area: mean where sea",
+        "thickness of the ridged ice, averaged over it",
+        "area: mean where sea_ice_ridges (comment: mask=sirdgconc)",
     ),
-    "sisnthick": (
-        "surface_snow_thickness",
-        "m",
-        "thickness of the snow, averaged over the ice",
-        "area: mean where sea_ice",
+    "simpconc": Described(
+        "area_fraction", "%", "share of the ice's area under melt ponds", OF_ICE, 100.0, PONDS
     ),
-    "siu": (
-        "sea_ice_x_velocity",
-        "m s-1",
-        "velocity of the ice along x, averaged over its mass",
-        "area: mean where sea_ice",
+    "lead_fraction": Described(
+        "", "1", "share of the cell's sea that is open, in cells with at least 70 % ice", OF_SEA
     ),
-    "siv": (
-        "sea_ice_y_velocity",
-        "m s-1",
-        "velocity of the ice along y, averaged over its mass",
-        "area: mean where sea_ice",
+    "siu": Described(
+        "sea_ice_x_velocity", "m s-1", "velocity of the ice along x, averaged over its mass", OF_ICE
+    ),
+    "siv": Described(
+        "sea_ice_y_velocity", "m s-1", "velocity of the ice along y, averaged over its mass", OF_ICE
+    ),
+    "sispeed": Described(
+        "sea_ice_speed", "m s-1", "speed of the ice's mean velocity at the instant", OF_ICE
+    ),
+    "sidivvel": Described(
+        "divergence_of_sea_ice_velocity",
+        "s-1",
+        "divergence of siu and siv, by differences between cells",
+        OF_ICE,
+    ),
+    "sishevel": Described(
+        SHEAR, "s-1", "largest shear of siu and siv, by differences between cells", OF_ICE
     ),
 }
 
@@ -113,13 +176,15 @@ def describe(
         number,
         {"long_name": "number of the coupling window", "units": "1"},
     )
-    names = ("siconc", "sithick", "sivol", *output_variables(scene.effects), "siu", "siv")
-    for name in names:
-        data[name] = (("time", "y", "x"), fields[name][None], _field_attributes(name))
+    for name in DESCRIPTIONS:
+        if name in fields:
+            _add_field(data, name, fields[name])
+    if "siitdconc" in data:
+        _add_bands(data)
     _add_areas(data, *areas)
     _add_method(data, fields)
     data.attrs = {
-        "Conventions": "CF-1.10",
+        "Conventions": "CF-1.11",
         "title": f"Sea ice of scene {scene.name}",
         "source": f"FloeFlow {__version__}, sea-ice discrete element model",
         "effects": " ".join(scene.effects),
@@ -131,7 +196,8 @@ def describe(
         if data[name].ndim >= 2:
             data[name].encoding |= {"zlib": True, "complevel": 4}
         if data[name].dims[-2:] == ("y", "x") and name not in ("lat", "lon"):
-            data[name].encoding["coordinates"] = "lat lon"
+            kind = DESCRIPTIONS[name].area_type if filled else None
+            data[name].encoding["coordinates"] = f"lat lon {kind[0]}" if kind else "lat lon"
     return data
 
 
@@ -156,16 +222,32 @@ def _axis_attributes(axis: str) -> dict[str, str]:
     }
 
 
-def _field_attributes(name: str) -> dict[str, str]:
-    standard_name, units, long_name, mean = DESCRIPTIONS[name]
-    return {
-        "standard_name": standard_name,
-        "long_name": long_name,
-        "units": units,
-        "cell_methods": f"time: point {mean}",
+def _add_field(data: xr.Dataset, name: str, values: Array) -> None:
+    """A field at the dataset's time, with its attributes and the coordinates that it needs."""
+    said = DESCRIPTIONS[name]
+    dims = ("time", "iceband", "y", "x") if said.bands else ("time", "y", "x")
+    data[name] = (dims, said.scale * values[None])
+    data[name].attrs = {"standard_name": said.standard_name} if said.standard_name else {}
+    data[name].attrs |= {
+        "long_name": said.long_name,
+        "units": said.units,
+        "cell_methods": f"{said.mean} time: point",
         "cell_measures": "area: sea_area",
         "grid_mapping": "crs",
     }
+    if said.area_type:
+        kind, word = said.area_type
+        data[kind] = ((), np.array(word, dtype=object), {"standard_name": "area_type"})
+
+
+def _add_bands(data: xr.Dataset) -> None:
+    """Bounds of the thickness categories; the last has no end and stands at its start."""
+    bounds = category_bounds(data.sizes["iceband"])
+    middle = 0.5 * (bounds[:-1] + bounds[1:])
+    middle[-1] = bounds[-2]
+    attrs = {"standard_name": "sea_ice_thickness", "units": "m", "bounds": "iceband_bnds"}
+    data["iceband"] = ("iceband", middle, attrs | {"long_name": "category of ice thickness"})
+    data["iceband_bnds"] = (("iceband", "bnds"), np.stack([bounds[:-1], bounds[1:]], axis=1))
 
 
 def _add_areas(data: xr.Dataset, area: Array, sea: Array) -> None:
@@ -293,7 +375,7 @@ def _chunks(variable: netCDF4.Variable) -> tuple[int, ...] | None:
     """Chunks that suit maps as well as series: some tens of times of a piece of the map."""
     if variable.dimensions[:1] != ("time",) or variable.ndim < 3:
         return None
-    return (30, *(min(size, 64) for size in variable.shape[1:]))
+    return (30, *(1 for _ in variable.shape[1:-2]), *(min(n, 64) for n in variable.shape[-2:]))
 
 
 def _append_times(part: netCDF4.Dataset, out: netCDF4.Dataset) -> None:

@@ -24,6 +24,7 @@ from floeflow.diagnostics.budgets import (
     grid_budget,
     ice_volume_budgets,
     momentum_budget,
+    rim_terms,
     snow_volume_budget,
     total_of,
 )
@@ -165,11 +166,19 @@ def dynamics_cost(costs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def headline(
-    samples: xr.Dataset, boundaries: xr.Dataset, costs: Sequence[Mapping[str, Any]]
+    samples: xr.Dataset,
+    scalars: xr.Dataset,
+    boundaries: xr.Dataset,
+    costs: Sequence[Mapping[str, Any]],
 ) -> dict[str, Any]:
-    """Headline numbers of the run, SI units but for ``mean_drift_km``."""
+    """Headline numbers of the run, SI units but for drift in km.
+
+    What went through a side is negative where it left. Bonds add up: those of the end are those of
+    the start, less the broken, with those that froze and those that remapping and merging made.
+    """
     first, last = boundaries.isel(boundary=0), boundaries.isel(boundary=-1)
     speeds = samples["largest_speed"].values
+    means = samples["drift_speed"].values
     numbers: dict[str, Any] = {
         "elements": int(last["elements"]),
         "coast_elements": int(last["coast_elements"]),
@@ -177,19 +186,44 @@ def headline(
         "seconds": float(last["boundary_time"]),
         "mean_drift_km": float(last["mean_displacement"]) / 1e3,
         "largest_drift_km": float(last["largest_displacement"]) / 1e3,
+        "mean_speed": float(np.nanmean(means)) if np.isfinite(means).any() else 0.0,
         "largest_speed": float(np.max(speeds[np.isfinite(speeds)], initial=0.0)),
+        "ocean_area": float(last["ocean_area"]),
+        "unclaimed_water_end": float(last["unclaimed_water"]),
     }
     for name in ("ice_area", "ice_volume", "snow_volume"):
         if name in boundaries:
             numbers[f"{name}_start"] = float(first[name])
             numbers[f"{name}_end"] = float(last[name])
-            for side, term in exports_of(boundaries, name).items():
-                numbers[f"{name} {side}".replace(" ", "_")] = float(term.sum())
+            numbers |= passed_sides(scalars, boundaries, name)
     if "bonds" in boundaries:
-        numbers["bonds_start"] = int(first["bonds"])
-        numbers["bonds_end"] = int(last["bonds"])
-        numbers["bonds_broken"] = int(last["bonds_broken"])
+        numbers |= bond_balance(scalars, first, last)
+    gates = (str(name) for name in scalars.data_vars if str(name).startswith("gate_"))
+    numbers |= {name: float(scalars[name].sum()) for name in gates}
     return {**numbers, **dynamics_cost(costs)}
+
+
+def passed_sides(scalars: xr.Dataset, boundaries: xr.Dataset, name: str) -> dict[str, float]:
+    """What came in through each side of the rectangle less what left, over the run."""
+    found: dict[str, float] = {}
+    terms = [*exports_of(boundaries, name).items(), *rim_terms(scalars, name).items()]
+    for words, term in terms:
+        # "through left side", "export left" or "inflow left".
+        key = f"{name}_through_{words.split()[1]}_side"
+        found[key] = found.get(key, 0.0) + float(term.sum())
+    return found
+
+
+def bond_balance(scalars: xr.Dataset, first: xr.Dataset, last: xr.Dataset) -> dict[str, int]:
+    """Bonds of the start and the end, and what lies between them."""
+    start, end, broken = int(first["bonds"]), int(last["bonds"]), int(last["bonds_broken"])
+    numbers = {"bonds_start": start, "bonds_broken": broken}
+    refrozen = 0
+    if "bonds_refrozen" in scalars:
+        numbers["bonds_refrozen"] = refrozen = int(scalars["bonds_refrozen"].sum())
+    if end - start + broken - refrozen:
+        numbers["bonds_remade"] = end - start + broken - refrozen
+    return {**numbers, "bonds_end": end}
 
 
 def assemble(
@@ -290,7 +324,7 @@ def diagnose(
     data = assemble(samples, scalars, boundaries, gridded, budgets, seconds)
     stages = {str(name): float(seconds.sel(stage=name).sum()) for name in seconds["stage"].values}
     return data, {
-        "headline": headline(samples, boundaries, costs),
+        "headline": headline(samples, scalars, boundaries, costs),
         "budgets": [budget.summary() for budget in budgets],
         "window_seconds": stages,
         "states": states,

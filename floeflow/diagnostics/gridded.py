@@ -9,7 +9,7 @@ elements' totals (docs/theory/remap.md). What lies outside of the grid is writte
 import logging
 import math
 from functools import partial
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 import xarray as xr
@@ -19,6 +19,7 @@ from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_grid
 from floeflow.diagnostics.cf_output import describe
+from floeflow.diagnostics.ice_fields import follow, ice_amounts, strain_rates
 from floeflow.scene import Scene
 from floeflow.state.schema import MOBILE
 from floeflow.transfer import ROOM, Field, Grid, Room, build_remapper, build_room, carry, near_cells
@@ -114,8 +115,10 @@ def gridded_fields(
     Returns
     -------
     dict of ndarray
-        siconc, sithick, sivol, siu, siv, sisnthick with snow: (ny, nx). siconc and sivol are NaN
-        where there is no sea, the others where there is no ice. remap_method: (ny, nx) of int8.
+        siconc, sithick, sivol, siu, siv, sisnthick with snow, and what
+        `floeflow.diagnostics.ice_fields` adds: (ny, nx), those of categories with one more
+        dimension in front. What is per sea is NaN where there is none, the rest where there is
+        no ice. remap_method: (ny, nx) of int8.
         siarea_residual (m2), sivolume_residual and, with snow, sisnvolume_residual (m3): the
         grid's total minus that of the elements on it; siarea_outside ...: what lies in elements
         outside of the grid.
@@ -145,7 +148,10 @@ def gridded_fields(
         nearest=transfer == "nearest",
     )
     remapper = build(x, y, parents, room)
-    carried = carry(AMOUNTS, values, remapper, near=_near(mobile, room), exact=exact)
+    more, amounts = ice_amounts(mobile)
+    carried = carry(
+        (*AMOUNTS, *more), values | amounts, remapper, near=_near(mobile, room), exact=exact
+    )
     found = carried.values
     # Velocity is a property of the mass, which is known on the grid only now.
     mass = ICE_DENSITY * values["ice_volume"] + SNOW_DENSITY * values["snow_volume"]
@@ -165,6 +171,11 @@ def gridded_fields(
     if "snow_volume" in mobile:
         fields["sisnthick"] = found["snow_volume"] / per_ice
     fields |= {name: np.where(has_ice, v, np.nan) for name, v in speeds.values.items()}
+    follow(found, sea, per_ice, fields)
+    fields["sispeed"] = np.hypot(fields["siu"], fields["siv"])
+    fields["sidivvel"], fields["sishevel"] = strain_rates(
+        fields["siu"], fields["siv"], cast(Grid, room.target).spacing
+    )
     method = remapper.weights["ice_area"].status
     fields["remap_method"] = np.where(has_ice, method, 0).astype(np.int8)
     for name, output in RESIDUALS.items():

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The report: one self-contained HTML page that a colleague can be sent.
 
-Words come from ``wording``, pictures from ``gallery``, the page from ``templates/report.html.j2``,
-which escapes every text. The page needs no JavaScript and no network.
+Words come from ``summary`` and ``wording``, pictures from ``gallery``, the map with its slider from
+``map_player``, the page from ``templates/report.html.j2``, which escapes every text. The page needs
+no network; without JavaScript all but the slider is there.
 """
 
 import json
@@ -13,15 +14,19 @@ from typing import Any
 
 import jinja2
 import xarray as xr
+from markupsafe import Markup
 
 from floeflow.core.errors import FloeError
 from floeflow.diagnostics import run_cost as expense
 from floeflow.report import report_figures as gallery
 from floeflow.report import report_text as wording
+from floeflow.report import summary
 from floeflow.report.figures.frame import Frame
+from floeflow.report.map_player import make_player
+from floeflow.report.report_figures import Picture
 from floeflow.scene import Scene
 
-TEMPLATE = Path(__file__).with_name("templates") / "report.html.j2"
+TEMPLATES = Path(__file__).with_name("templates")
 
 
 @dataclass(frozen=True)
@@ -36,8 +41,8 @@ class Material:
         ``diagnostics.json``.
     first_state, last_state : xarray.Dataset
         States at start and end.
-    first_grid, last_grid : xarray.Dataset
-        Gridded output at start and end; None without the effect grid_output.
+    grid : xarray.Dataset or None
+        Gridded output at all boundaries; None without the effect grid_output.
     mask, packing : xarray.Dataset
         As their contracts say.
     benchmarks : sequence of Path
@@ -48,20 +53,78 @@ class Material:
         What was read from the user's files, or stood in for them.
     studies : sequence of mapping
         Digests of the studies that were made for the scene as it is.
+    partial : str
+        A sentence that says how far a run came that has not ended; empty for a whole run.
     """
 
     diagnostics: xr.Dataset
     numbers: Mapping[str, Any]
     first_state: xr.Dataset
     last_state: xr.Dataset
-    first_grid: xr.Dataset | None
-    last_grid: xr.Dataset | None
+    grid: xr.Dataset | None
     mask: xr.Dataset
     packing: xr.Dataset
     benchmarks: Sequence[Path]
     estimates: Mapping[str, Any]
     inputs: Sequence[str] = ()
     studies: Sequence[Mapping[str, Any]] = ()
+    partial: str = ""
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A part of the page: numbers with their sources, and pictures."""
+
+    id: str
+    title: str
+    text: str
+    facts: Sequence[summary.Fact]
+    pictures: Sequence[Picture]
+
+
+# Chapters and how the names of their figures begin; the first that fits takes a figure.
+CHAPTERS = (
+    (
+        "column",
+        "Column",
+        "What froze and melted: terms of the budgets of ice, snow, heat, water and salt.",
+        ("budget_ice_volume", "budget_snow", "budget_column"),
+    ),
+    (
+        "bonds",
+        "Bonds and floes",
+        "",
+        ("elements_bonds", "series_bonds"),
+    ),
+    (
+        "motion",
+        "Motion and deformation",
+        "",
+        ("elements_speed", "elements_displacement", "series_speed", "series_displacement")
+        + ("series_energy", "series_walls"),
+    ),
+    (
+        "ice",
+        "Ice",
+        "Each element is drawn as its cell of the tessellation, carried and turned with it; coast "
+        "elements are dark grey, land light grey. Maps of one quantity share their colour scale.",
+        ("elements_", "series_"),
+    ),
+)
+
+
+def make_chapters(
+    pictures: Sequence[Picture], facts: Mapping[str, Sequence[summary.Fact]]
+) -> tuple[list[Chapter], list[Picture]]:
+    """Deal pictures to chapters, in the order in which a page has them; and those left over."""
+    left, found = list(pictures), []
+    for name, title, text, begins in CHAPTERS:
+        own = [picture for picture in left if picture.name.startswith(begins)]
+        left = [picture for picture in left if picture not in own]
+        if own or facts.get(name):
+            found.append(Chapter(name, title, text, facts.get(name, ()), own))
+    order = ("ice", "motion", "bonds", "column")
+    return sorted(found, key=lambda chapter: order.index(chapter.id)), left
 
 
 def build_report(scene: Scene, material: Material, figures: Path) -> str:
@@ -90,15 +153,27 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
     there, absent = wording.effect_lists(scene)
     first, last = material.first_state, material.last_state
     keys = wording.scene_keys(scene)
+    pictures = [
+        *gallery.element_pictures(easel, scene, frame, first, last, material.packing),
+        *gallery.series_pictures(easel, scene, material.diagnostics),
+        *gallery.budget_pictures(easel, budgets),
+    ]
+    chapters, bars = make_chapters(pictures, summary.facts(headline, scene))
+    notes = str(material.mask.attrs.get("notes", "")).splitlines()
     return render(
         {
+            "style": Markup(read_template("report.css")),
+            "script": Markup(read_template("map.js")),
+            "player": _player(scene, frame, material.grid),
+            "partial": material.partial,
+            "sentence": summary.sentence(scene, headline),
+            "warnings": summary.warnings(scene, notes, headline, budgets),
+            "chapters": chapters,
             "title": scene.report.title or scene.name,
             "text": scene.report.text,
             "scene": scene,
-            "when": gallery.moments(scene, first, last),
-            "length": wording.duration(float(headline["seconds"])),
             "headline": headline,
-            "cards": wording.cards(headline, total),
+            "cards": summary.cards(headline, budgets, total),
             "changed": [key for key in keys if key.differs],
             "keys": keys,
             "packing": wording.packing_figures(material.packing),
@@ -106,17 +181,8 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
             "absent": absent,
             "inputs": material.inputs,
             "estimates": material.estimates,
-            "element_maps": list(
-                gallery.element_pictures(easel, scene, frame, first, last, material.packing)
-            ),
-            "grid_maps": list(
-                gallery.grid_pictures(easel, scene, frame, material.first_grid, material.last_grid)
-            )
-            if material.first_grid is not None and material.last_grid is not None
-            else [],
-            "series": list(gallery.series_pictures(easel, scene, material.diagnostics)),
             "budgets": budgets,
-            "budget_bars": list(gallery.budget_pictures(easel, budgets)),
+            "budget_bars": bars,
             "stages": cost,
             "total": total,
             "cost_bars": list(gallery.cost_pictures(easel, cost)),
@@ -125,6 +191,32 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
             "studies": material.studies,
         }
     )
+
+
+def _player(scene: Scene, frame: Frame, grid: xr.Dataset | None) -> dict[str, Any] | None:
+    """What the template needs for the map, its data as JSON that no text can end early."""
+    if grid is None:
+        return None
+    player = make_player(grid, frame, scene.time.start, scene.time.window)
+    if player is None:
+        return None
+    left, right, bottom, top = player["extent"]
+    data = {key: player[key] for key in ("layers", "arrows", "times", "rows", "columns", "extent")}
+    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+    width, height = right - left, top - bottom
+    return player | {
+        "data": Markup(text),
+        "width": width,
+        "height": height,
+        "view": f"{left:.6g} {-top:.6g} {width:.6g} {height:.6g}",
+        "bar_x": left + 0.03 * width,
+        "bar_y": -bottom - 0.03 * height,
+    }
+
+
+def read_template(name: str) -> str:
+    """The text of a template or of what goes into the page as it stands."""
+    return (TEMPLATES / name).read_text(encoding="utf-8")
 
 
 def render(context: Mapping[str, Any]) -> str:
@@ -137,7 +229,7 @@ def render(context: Mapping[str, Any]) -> str:
     )
     environment.filters["number"] = wording.number
     environment.filters["unit"] = wording.pretty_unit
-    return environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(context)
+    return environment.from_string(read_template("report.html.j2")).render(context)
 
 
 def read_numbers(path: Path) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """All pictures of a report, in the order in which they stand.
 
-Maps go into the page as PNG, charts as SVG; both are written as PNG beside the report as well.
+Maps go into the page as PNG, charts as SVG; both lie beside the report as well.
 Pairs of maps that are to be compared share their colour scale.
 """
 
@@ -24,7 +24,6 @@ from floeflow.report.figures.bonds import bond_map
 from floeflow.report.figures.budgets import budget_figure
 from floeflow.report.figures.cost import cost_figure
 from floeflow.report.figures.frame import Frame
-from floeflow.report.figures.gridmaps import FIELDS, field_values, grid_map
 from floeflow.report.figures.maps import Shapes, element_map, element_shapes, element_values
 from floeflow.report.figures.series import series_figures
 from floeflow.report.figures.style import (
@@ -43,21 +42,11 @@ CAPTIONS = {
     "thickness": "Ice thickness of the elements (mean over the ice in each)",
     "concentration": "Ice concentration of the elements (share of each one's area under ice)",
     "speed": "Drift speed of the elements; arrows are means over boxes",
-    "siconc": "Ice concentration on the grid (siconc)",
-    "sithick": "Ice thickness on the grid (sithick)",
-    "sivol": "Ice volume per area on the grid (sivol)",
-    "sisnthick": "Snow thickness on the ice, on the grid (sisnthick)",
-    "drift": "Drift speed on the grid (siu, siv)",
 }
 TITLES = {
     "thickness": "Ice thickness",
     "concentration": "Ice concentration",
     "speed": "Drift speed",
-    "siconc": "Ice concentration",
-    "sithick": "Ice thickness",
-    "sivol": "Ice volume per area",
-    "sisnthick": "Snow thickness",
-    "drift": "Drift speed",
 }
 
 
@@ -84,9 +73,10 @@ class Easel:
         return Picture(name, caption, _uri("image/png", data), wide)
 
     def chart(self, name: str, caption: str, figure: Figure) -> Picture:
-        """A chart: PNG in the folder, SVG in the page."""
-        write_png(figure, self.folder / f"{name}.png", self.dpi)
-        return Picture(name, caption, _uri("image/svg+xml", as_svg(figure)))
+        """A chart: SVG in the folder and in the page."""
+        data = as_svg(figure)
+        (self.folder / f"{name}.svg").write_bytes(data)
+        return Picture(name, caption, _uri("image/svg+xml", data))
 
 
 def _uri(kind: str, data: bytes) -> str:
@@ -120,7 +110,8 @@ def element_pictures(
         limits = common_limits(quantity, *fields.values())
         for name, state in states.items():
             moves = quantity.name == "speed"
-            if moves and name == "start" and not fields[name].any():
+            # How it began is told once, by thickness; the slider shows the rest.
+            if name == "start" and quantity is not THICKNESS:
                 continue
             arrows = (state["u"].values, state["v"].values, "m/s") if moves else None
             title = f"{TITLES[quantity.name]}, {name}: {when[name]}"
@@ -160,25 +151,6 @@ def _displacement_picture(
     )
     caption = "Net displacement of the elements from the start to the end, drawn at their end."
     return easel.picture("elements_displacement", caption, figure)
-
-
-def grid_pictures(
-    easel: Easel, scene: Scene, frame: Frame, first: xr.Dataset, last: xr.Dataset
-) -> Iterator[Picture]:
-    """Maps of the gridded fields at start and end."""
-    for name, base in FIELDS.items():
-        quantity = speed_scale(scene) if name == "drift" else base
-        fields = {"start": field_values(first, name), "end": field_values(last, name)}
-        known = [field for field in fields.values() if field is not None]
-        limits = common_limits(quantity, *known)
-        for when, grid in (("start", first), ("end", last)):
-            field = fields[when]
-            if field is None or (name == "drift" and when == "start" and not np.nansum(field)):
-                continue
-            figure = grid_map(frame, grid, name, limits, f"{TITLES[name]} on the grid, {when}")
-            if figure is not None:
-                caption = f"{CAPTIONS[name]}, {when} of the run."
-                yield easel.picture(f"grid_{name}_{when}", caption, figure)
 
 
 def series_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Picture]:

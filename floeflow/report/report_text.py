@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The report in words and numbers: cards, tables of the scene and its provenance.
+"""The report in words and numbers: formats, tables of the scene and its provenance.
 
 Everything here is plain text; the template escapes it. A number that is not finite never reaches
 the page: it is told as a dash.
@@ -20,21 +20,11 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from floeflow import __version__
-from floeflow.report.figures.series import AREA_UNITS, VOLUME_UNITS
 from floeflow.scene import Scene
 from floeflow.scene.effects import EFFECTS, Effect
 
 DASH = "–"
 LIBRARIES = ("numpy", "xarray", "netCDF4", "pyproj", "matplotlib", "mpi4py", "snakemake")
-
-
-@dataclass(frozen=True)
-class Card:
-    """A headline number."""
-
-    label: str
-    value: str
-    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -90,72 +80,6 @@ def duration(seconds: float) -> str:
             word = name[:-1] if seconds == unit else name
             return f"{number(seconds / unit, 3)} {word}"
     return f"{number(seconds, 3)} s"
-
-
-def cards(numbers: Mapping[str, Any], wall_seconds: float) -> list[Card]:
-    """Headline numbers of the run; only those that its effects brought."""
-    found = [
-        Card(
-            "Ice area",
-            with_unit(numbers["ice_area_end"], AREA_UNITS),
-            _change(numbers["ice_area_start"], numbers["ice_area_end"])
-            + _export(numbers, "ice_area"),
-        ),
-        Card(
-            "Ice volume",
-            with_unit(numbers["ice_volume_end"], VOLUME_UNITS),
-            _change(numbers["ice_volume_start"], numbers["ice_volume_end"])
-            + _export(numbers, "ice_volume"),
-        ),
-        Card(
-            "Mean drift",
-            f"{number(numbers['mean_drift_km'], 3)} km",
-            f"farthest element {number(numbers['largest_drift_km'], 3)} km",
-        ),
-        Card("Largest speed", f"{number(numbers['largest_speed'], 3)} m/s"),
-    ]
-    if "bonds_broken" in numbers:
-        broken, start = numbers["bonds_broken"], numbers["bonds_start"]
-        share = f"{number(100.0 * broken / start, 3)} % " if start else ""
-        found.append(Card("Bonds broken", number(broken), f"{share}of {number(start)}"))
-    speed = numbers["element_steps_per_s"]
-    ranks = numbers.get("ranks")
-    where = f"on {ranks} rank{'s' if ranks != 1 else ''}" if ranks else ""
-    found.append(Card("Element-steps/s", number(float(f"{speed:.3g}"), 3), where))
-    limit = numbers.get("limited_by")
-    found.append(
-        Card(
-            "DEM time step",
-            f"{number(numbers.get('time_step'), 3)} s",
-            f"{number(numbers['steps'])} steps"
-            + (f", limited by {_limiter(str(limit))}" if limit else ""),
-        )
-    )
-    found.append(Card("Wall time", duration(wall_seconds), "all timed stages"))
-    return found
-
-
-def _limiter(reason: str) -> str:
-    """What limits the time step, as ``critical_step`` says it: a bond, or contacts."""
-    kind = reason.split()[0]
-    return f"a {kind}" if kind == "bond" else kind
-
-
-def _change(start: float, end: float) -> str:
-    if not start:
-        return "none at the start" if end else ""
-    share = 100.0 * (end - start) / start
-    sign = "+" if share > 0 else ""
-    return "unchanged" if abs(share) < 5e-4 else f"{sign}{number(share, 2)} % since the start"
-
-
-def _export(numbers: Mapping[str, Any], name: str) -> str:
-    """What went through the sides of the rectangle, as a share of the start."""
-    through = [value for key, value in numbers.items() if key.startswith(f"{name}_through_")]
-    start = numbers[f"{name}_start"]
-    if not through or not start:
-        return ""
-    return f", {number(100.0 * sum(through) / start, 2)} % through the sides"
 
 
 def scene_keys(scene: Scene) -> list[Key]:

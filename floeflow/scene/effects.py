@@ -214,6 +214,7 @@ _REGISTERED = (
             "ocean_heat_flux",
         ),
         state=("surface_temperature", "ice_enthalpy", "ice_salinity"),
+        output=("sitemptop",),
         diagnostics=("ice_growth",),
         figures=("budget_column",),
     ),
@@ -244,6 +245,7 @@ _REGISTERED = (
         needs=("thermodynamics", "shortwave"),
         column=("ponds",),
         state=LEVEL_STATE,
+        output=("sirdgconc", "sirdgthick", "simpconc"),
         diagnostics=("pond_water",),
         figures=("budget_column_pond",),
     ),
@@ -301,7 +303,6 @@ _REGISTERED = (
         physics="Fields of the ice on the scene's grid at each window boundary, as CF NetCDF.",
         source="shares of area, balanced: Sinkhorn & Knopp 1967",
         rules=("fields", "grid"),
-        figures=("grid_",),
     ),
     Effect(
         name="trajectory_output",
@@ -400,11 +401,6 @@ def state_variables(names: Iterable[str], scheme: str = "zero_layer") -> tuple[s
     )
     found = dict.fromkeys((*_collect("state", names), *both))
     return tuple(name for name in found if scheme in SCHEME_STATE.get(name, (scheme,)))
-
-
-def output_variables(names: Iterable[str]) -> tuple[str, ...]:
-    """Variables that these effects add to the gridded output."""
-    return _collect("output", names)
 
 
 def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:

@@ -37,7 +37,7 @@ def package_digest(package: str) -> str:
     folder = Path(floeflow.__file__).parent / package
     digest = hashlib.sha256()
     for path in sorted(folder.rglob("*")):
-        if path.is_file() and path.suffix in (".py", ".json", ".j2"):
+        if path.is_file() and path.suffix in (".py", ".json", ".j2", ".js", ".css"):
             digest.update(f"{path.relative_to(folder)}\n".encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()

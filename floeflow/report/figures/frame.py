@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -128,6 +129,39 @@ def draw_scale_bar(axes: Axes, width_km: float) -> None:
 
 def draw_graticule(axes: Axes, frame: Frame) -> None:
     """Parallels and meridians as light lines with labels."""
+    for kind, x, y, text in _graticule(frame):
+        _line(axes, x, y)
+        label = _label_parallel if kind == "parallel" else _label_meridian
+        label(axes, frame, x, y, text)
+
+
+def graticule_lines(
+    frame: Frame,
+) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[tuple[float, float, str]]]:
+    """Parallels and meridians (km, NaN outside of the map), and labels with their places (km).
+
+    A label stands where its line meets the map's edge first; labels that would touch are left out.
+    """
+    left, right, bottom, top = frame.extent
+    lines: list[tuple[np.ndarray, np.ndarray]] = []
+    labels: list[tuple[float, float, str]] = []
+    for kind, x, y, text in _graticule(frame):
+        lines.append((x, y))
+        across, up = (x - left) / (right - left), (y - bottom) / (top - bottom)
+        inside = np.minimum(np.minimum(across, 1 - across), np.minimum(up, 1 - up))
+        wanted = np.abs(across + up - 1.0) if kind == "parallel" else inside
+        usable = np.isfinite(inside) & (inside > 0.035) & ~((across < 0.33) & (up < 0.12))
+        for there_x, there_y, _ in labels:
+            near_x = np.abs(x - there_x) < 0.09 * (right - left)
+            usable &= ~(near_x & (np.abs(y - there_y) < 0.05 * (top - bottom)))
+        if usable.any():
+            place = int(np.argmin(np.where(usable, wanted, np.inf)))
+            labels.append((float(x[place]), float(y[place]), text))
+    return lines, labels
+
+
+def _graticule(frame: Frame) -> Iterator[tuple[str, np.ndarray, np.ndarray, str]]:
+    """Kind, places (km) and label of each parallel and meridian that the map may hold."""
     latitudes, longitudes, pole = _degrees_seen(frame)
     lat_step = _step(float(np.ptp(latitudes)), 5)
     lon_span = float(np.ptp(longitudes))
@@ -138,8 +172,7 @@ def draw_graticule(axes: Axes, frame: Frame) -> None:
     round_trip = np.linspace(-180.0, 180.0, LINE_POINTS)
     for latitude in parallels:
         x, y = _project(frame, round_trip, np.full(LINE_POINTS, latitude))
-        _line(axes, x, y)
-        _label_parallel(axes, frame, x, y, _degree(latitude, "N", "S"))
+        yield "parallel", x, y, _degree(latitude, "N", "S")
     # Meridians stop short of the pole, where they would crowd.
     reach = parallels if pole and parallels.size else latitudes
     low, high = float(latitudes.min()), float(latitudes.max())
@@ -151,9 +184,8 @@ def draw_graticule(axes: Axes, frame: Frame) -> None:
             break
         along = np.linspace(low, high, LINE_POINTS)
         x, y = _project(frame, np.full(LINE_POINTS, longitude), along)
-        _line(axes, x, y)
         wrapped = (longitude + 180.0) % 360.0 - 180.0
-        _label_meridian(axes, frame, x, y, _degree(wrapped, "E", "W"))
+        yield "meridian", x, y, _degree(wrapped, "E", "W")
 
 
 @lru_cache(maxsize=8)

@@ -74,9 +74,17 @@ def test_the_headline_is_of_what_is_inside() -> None:
     plain = ("boundary_time", "mean_displacement", "largest_displacement")
     counts = ("elements", "coast_elements")
     found = boundaries().assign({name: ("boundary", np.zeros(3)) for name in (*plain, *counts)})
-    samples = xr.Dataset({"largest_speed": ("sample", np.zeros(2))})
-    told = headline(samples, found.isel(boundary=[0, 1]), [])
+    speeds = ("largest_speed", "drift_speed")
+    samples = xr.Dataset({name: ("sample", np.zeros(2)) for name in speeds})
+    found["ocean_area"] = found["unclaimed_water"] = ("boundary", np.zeros(3))
+    rims = {
+        "export_ice_area_left": ("window", np.array([3e6])),
+        "inflow_ice_area_top": ("window", np.array([1e6])),
+    }
+    told = headline(samples, xr.Dataset(rims), found.isel(boundary=[0, 1]), [])
     assert (told["ice_area_start"], told["ice_area_end"]) == (15e6, 5e6)
-    assert told["ice_area_through_left_side"] == -2e6
+    # What lies beyond the side, and what the rim took out.
+    assert told["ice_area_through_left_side"] == -5e6
+    assert told["ice_area_through_top_side"] == -8e6 + 1e6
     assert told["snow_volume_through_top_side"] == pytest.approx(-8e5)
     assert "ice_area_through_right_side" not in told

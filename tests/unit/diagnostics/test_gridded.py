@@ -16,6 +16,7 @@ from floeflow.core.errors import FloeError
 from floeflow.diagnostics.budgets import grid_budget
 from floeflow.diagnostics.cf_output import join_files, join_times, write_grid
 from floeflow.diagnostics.gridded import gridded_fields, hat_reach, make_grid, sea_room
+from floeflow.diagnostics.ice_fields import strain_rates
 from floeflow.scene import load_scene
 from floeflow.state import write_dataset, write_state
 from floeflow.state.snapshots import write_snapshots
@@ -307,7 +308,7 @@ def test_file_is_cf(scene, tmp_path):
     write_grid(make_grid(scene, make_state(right=0.5e5), make_mask(6)), path)
     assert [p.name for p in path.parent.iterdir()] == ["0002.nc"]
     with netCDF4.Dataset(path) as file:
-        assert file.Conventions == "CF-1.10"
+        assert file.Conventions == "CF-1.11"
         for name in ("siconc", "sithick", "sivol", "sisnthick", "siu", "siv"):
             variable = file[name]
             assert variable.dimensions == ("time", "y", "x")
@@ -322,7 +323,8 @@ def test_file_is_cf(scene, tmp_path):
             assert crs == pyproj.CRS("EPSG:3413")
             measure = variable.cell_measures.removeprefix("area: ")
             assert file[measure].dimensions == ("y", "x") and file[measure].units == "m2"
-            assert variable.cell_methods.startswith("time: point area: mean where ")
+            assert variable.cell_methods.startswith("area: mean where ")
+            assert variable.cell_methods.endswith(" time: point")
         for axis in ("time", "y", "x"):
             bounds = file[file[axis].bounds]
             assert bounds.dimensions == (axis, "bnds") and "_FillValue" not in bounds.ncattrs()
@@ -417,3 +419,18 @@ def test_faults_are_one_sentence(scene, tmp_path):
     data = make_grid(scene, make_state(), make_mask())
     with pytest.raises(FloeError, match="cannot be written"):
         write_grid(data, tmp_path / "file" / "grid.nc")
+
+
+def test_strain_rates_of_linear_motion_are_exact():
+    x, y = np.meshgrid(1e5 * np.arange(6.0), 5e4 * np.arange(5.0))
+    u, v = 1e-6 * x + 3e-6 * y, -2e-6 * x + 4e-6 * y
+    divergence, shear = strain_rates(u, v, (1e5, 5e4))
+    np.testing.assert_allclose(divergence, 5e-6)
+    np.testing.assert_allclose(shear, np.hypot(3e-6, 1e-6))
+    # Turning alone deforms nothing; a cell without neighbours says nothing.
+    still, turned = strain_rates(-1e-5 * y, 1e-5 * x, (1e5, 5e4))
+    np.testing.assert_allclose(still, 0.0, atol=1e-20)
+    np.testing.assert_allclose(turned, 0.0, atol=1e-20)
+    lonely = np.full((3, 3), np.nan)
+    lonely[1, 1] = 1.0
+    assert np.isnan(strain_rates(lonely, lonely, (1.0, 1.0))).all()

@@ -14,13 +14,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from floeflow.report.figures import bonds, gridmaps, maps, series, style
+from floeflow.report.figures import bonds, maps, series, style
 from floeflow.report.figures.budgets import budget_figure, budget_unit
 from floeflow.report.figures.cost import cost_figure
 from floeflow.report.figures.frame import Frame, prepare_axes
 from floeflow.scene.blocks import Domain
 from floeflow.state import read_state
-from support.synthetic import X0, Y0, Run, first_state, make_mask, make_packing
+from support.synthetic import Run, first_state, make_mask, make_packing
 
 
 @pytest.fixture(scope="module")
@@ -229,25 +229,6 @@ def test_bonds_are_sorted_by_what_became_of_them(run: Run):
     assert whole.sizes["bond"] + cracked.sizes["bond"] == last.sizes["bond"]
     assert broken.sizes["bond"] == first.sizes["bond"] - last.sizes["bond"] > 0
     assert cracked.sizes["bond"] == int((last["bond_crack_a"] > 0).sum()) > 0
-
-
-def test_grid_map_shows_the_field_and_nothing_without_ice(frame: Frame):
-    size = 5.0e4
-    x, y = X0 + (np.arange(8) + 0.5) * size, Y0 + (np.arange(8) + 0.5) * size
-    ice = np.zeros((8, 8))
-    ice[4, 5] = 0.5
-    grid = xr.Dataset({"siconc": (("y", "x"), ice)}, {"x": x, "y": y})
-    figure = gridmaps.grid_map(frame, grid, "siconc", (0.0, 1.0), "Concentration")
-    assert figure is not None
-    expected = style.CONCENTRATION.cmap(0.5)[:3]
-    shown = pixel(figure, x[5] / 1e3 + 9, y[4] / 1e3 - 9)
-    np.testing.assert_allclose(shown, expected, atol=0.03)
-    water = pixel(figure, x[5] / 1e3 + 9, y[2] / 1e3 - 9)
-    np.testing.assert_allclose(water, style.CONCENTRATION.cmap(0.0)[:3], atol=0.03)
-    assert gridmaps.grid_map(frame, grid, "sisnthick", (0.0, 1.0), "Snow") is None
-    none = grid.assign(siconc=0.0 * grid["siconc"])
-    figure = gridmaps.grid_map(frame, none, "siconc", (0.0, 1.0), "Concentration")
-    assert figure is not None and "no ice" in texts(figure)
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,9 @@
 from __future__ import annotations
 
 import base64
-import json
 import re
-from collections.abc import Sequence
 from html.parser import HTMLParser
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from matplotlib.figure import Figure
@@ -19,47 +16,15 @@ from floeflow.diagnostics.run_cost import stages, total_seconds
 from floeflow.report.report import read_numbers, render
 from floeflow.report.report_text import duration, number, scene_keys, with_unit
 from floeflow.report.study_page import Study, Table, draw, write_study
+from floeflow.report.summary import warnings
 from floeflow.scene.effects import EFFECTS
-from floeflow.state import read_state, write_state
-from support.scripts import load_script
+from floeflow.state import read_dataset, read_state, write_state
+from support.pages import report_of
 from support.synthetic import Run, make_run
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
-SECTIONS = [
-    "Summary",
-    "The scene",
-    "Start and end",
-    "Gridded fields",
-    "Time series",
-    "Budgets with residuals",
-    "Cost",
-    "Provenance",
-]
-ESTIMATES = {
-    "chosen_by": "auto",
-    "estimates": [
-        {
-            "name": "wind",
-            "named": True,
-            "number": 3.0,
-            "meaning": "wind over current",
-            "share": 0.5,
-            "cost": 0.1,
-            "advice": "needed",
-            "reason": "It moves positions.",
-        },
-        {
-            "name": "grid_output",
-            "named": False,
-            "number": None,
-            "meaning": "none",
-            "share": 0.0,
-            "cost": 0.1,
-            "advice": "output",
-            "reason": "It changes no result.",
-        },
-    ],
-}
+CHAPTERS = ["Ice", "Motion and deformation", "Bonds and floes", "Column"]
+CHAPTERS += ["Budgets with residuals", "Cost and accuracy", "Effects", "How to repeat it"]
 HOSTILE = '<script>alert(1)</script> & "co" {{ 7 * 7 }}'
 
 
@@ -80,11 +45,14 @@ class Page(HTMLParser):
         if tag not in VOID:
             self.open.append(tag)
 
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, {name: value or "" for name, value in attrs}))
+
     def handle_endtag(self, tag: str) -> None:
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
-        if self.open and self.open[-1] != "style" and data.strip():
+        if self.open and self.open[-1] not in ("style", "script") and data.strip():
             self.texts.append((self.open[-1], data.strip()))
 
     def within(self, tag: str) -> list[str]:
@@ -99,47 +67,6 @@ class Page(HTMLParser):
     def text(self) -> str:
         """All visible text."""
         return " ".join(text for _, text in self.texts)
-
-
-def report_of(run: Run, studies: Sequence[Path] = ()) -> str:
-    folder, last = run.folder, run.windows[-1]
-    scene = str(run.scene_file)
-    made = {
-        "diagnostics": str(folder / "diagnostics.nc"),
-        "headline": str(folder / "diagnostics.json"),
-    }
-    files = run.files
-    load_script("postprocess/diagnostics").main(
-        SimpleNamespace(
-            input=SimpleNamespace(
-                scene=scene,
-                first=str(files.first),
-                elements=list(map(str, files.elements)),
-                series=list(map(str, files.series)),
-                cost=list(map(str, files.cost)),
-                grid=str(files.grid),
-            ),
-            output=SimpleNamespace(dataset=made["diagnostics"], headline=made["headline"]),
-        )
-    )
-    given = SimpleNamespace(
-        input=SimpleNamespace(
-            scene=scene,
-            first_state=str(run.state(0)),
-            last_state=str(run.state(last)),
-            grid=str(run.grid),
-            mask=str(folder / "preprocess" / "mask.nc"),
-            packing=str(folder / "preprocess" / "packing.nc"),
-            benchmarks=sorted(str(path) for path in (folder / "benchmarks").rglob("*.tsv")),
-            estimates=str(folder / "effects.json"),
-            **made,
-        ),
-        output=SimpleNamespace(report=str(folder / "report.html"), figures=str(folder / "figures")),
-        params=SimpleNamespace(studies={str(path): "" for path in studies}),
-    )
-    Path(given.input.estimates).write_text(json.dumps(ESTIMATES))
-    load_script("postprocess/report").main(given)
-    return (folder / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -158,17 +85,25 @@ def bare(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, str]:
 
 
 def test_sections_come_in_order(page: Page):
-    assert page.within("h2") == SECTIONS
+    assert [text for text in page.within("h2") if text != "Before you read on"] == CHAPTERS
     targets = {link["href"].removeprefix("#") for link in page.every("a")}
     ids = [attrs["id"] for _, attrs in page.tags if "id" in attrs]
     assert len(ids) == len(set(ids))
     assert targets <= set(ids)
 
 
+def test_the_map_stands_before_every_table(run: Run, page: Page):
+    names = [name for name, _ in page.tags]
+    assert names.index("canvas") < names.index("table")
+    html = (run.folder / "report.html").read_text(encoding="utf-8")
+    assert html.index('id="player"') < html.index('id="effects"')
+
+
 def test_page_stands_alone(page: Page):
-    assert not page.every("script") and not page.every("link")
+    assert [link["href"] for link in page.every("link")] == ["data:,"]
+    assert not [script for script in page.every("script") if "src" in script]
     sources = [image["src"] for image in page.every("img")]
-    assert len(sources) > 20
+    assert len(sources) > 15
     for source in sources:
         kind, data = source.split(";base64,")
         assert kind in ("data:image/png", "data:image/svg+xml")
@@ -187,7 +122,7 @@ def render_styles(page: Page) -> str:
 
 def test_each_picture_has_words_and_a_file(run: Run, page: Page):
     names = {figure["id"] for figure in page.every("figure")}
-    files = {path.stem for path in (run.folder / "figures").glob("*.png")}
+    files = {path.stem for path in (run.folder / "figures").iterdir()}
     assert names == files
     assert all(image["alt"].endswith(".") for image in page.every("img"))
     expected = {
@@ -195,8 +130,7 @@ def test_each_picture_has_words_and_a_file(run: Run, page: Page):
         "elements_thickness_end",
         "elements_bonds",
         "elements_displacement",
-        "grid_siconc_end",
-        "grid_sisnthick_start",
+        "elements_concentration_end",
         "series_bonds",
         "budget_momentum_x",
         "budget_column_energy",
@@ -205,12 +139,50 @@ def test_each_picture_has_words_and_a_file(run: Run, page: Page):
     assert expected <= names
 
 
-def test_headline_numbers_stand_in_cards(run: Run, page: Page):
+def test_headline_numbers_stand_in_cards_with_their_sources(run: Run, page: Page):
     numbers = read_numbers(run.folder / "diagnostics.json")["headline"]
     values = page.within("dd")
     assert with_unit(numbers["ice_volume_end"], ((1e9, "km³"),)) in values
-    assert f"{numbers['bonds_broken']}" in values
-    assert page.within("dt")[:4] == ["Ice area", "Ice volume", "Mean drift", "Largest speed"]
+    alive, start = number(numbers["bonds_end"]), number(numbers["bonds_start"])
+    assert alive in values
+    broken = number(numbers["bonds_broken"])
+    assert [text for text in values if text.startswith(f"of {start} at the start; {broken} broke")]
+    assert page.within("dt")[:5] == [
+        "Ice area inside the scene",
+        "Ice volume inside the scene",
+        "Mean net drift",
+        "Bonds alive",
+        "Budgets that close",
+    ]
+    data = read_dataset(run.folder / "diagnostics.nc")
+    sources = [text for text in values if text.endswith("in diagnostics.nc")]
+    assert len(sources) == 4
+    for text in sources:
+        assert set(text.removesuffix(" in diagnostics.nc").split(", ")) <= set(data.variables)
+
+
+def test_bonds_of_start_broken_frozen_and_remade_give_those_of_the_end(run: Run):
+    numbers = read_numbers(run.folder / "diagnostics.json")["headline"]
+    formed = numbers.get("bonds_refrozen", 0) + numbers.get("bonds_remade", 0)
+    assert numbers["bonds_start"] - numbers["bonds_broken"] + formed == numbers["bonds_end"]
+    assert numbers["bonds_broken"] > 0
+
+
+def test_assumptions_stand_on_the_first_screen(page: Page, bare: tuple[Run, str]):
+    told = [text for text in page.within("li") if "rule" in text or "no observation" in text]
+    assert (
+        "Ice thickness at the start is no observation but a rule: 2 m times concentration." in told
+    )
+    assert len(told) == 2
+    run, _ = bare
+    notes = ["'ice' of a.nc, 1.0 days from the start", "'sst' of a.nc, 1.0 days from the start"]
+    notes.append("the hole around the pole, north of 87.0 N, is filled to its rim's mean")
+    open_one = {"verdict": "open", "label": "Ice volume", "relative": 0.25}
+    said = warnings(run.scene, [*notes, "'ice' of b.nc, 0.0 days from the start"], {}, [open_one])
+    assert said.count("Mask of another day: a.nc, 1.0 days from the start.") == 1
+    assert not [line for line in said if "b.nc" in line]
+    assert "Mask: the hole around the pole, north of 87.0 N, is filled to its rim's mean." in said
+    assert "Budget open: Ice volume, 25 % of its turnover unexplained." in said
 
 
 def test_budgets_state_residual_verdict_and_thresholds(page: Page):
@@ -229,7 +201,9 @@ def test_no_number_is_none(page: Page, bare: tuple[Run, str]):
 def test_hostile_words_are_escaped(bare: tuple[Run, str]):
     _, html = bare
     page = Page(html)
-    assert "<script" not in html
+    # The page has the map's data and its program, and no other script.
+    assert html.count("<script") == html.count("</script>") == 2
+    assert "<script>alert" not in html
     assert page.within("h1") == [HOSTILE]
     assert page.within("title")[0].startswith(HOSTILE)
     assert "&lt;img src=x" in html and "<img src=x" not in html
@@ -239,7 +213,7 @@ def test_no_ice_and_absent_effects_are_said(bare: tuple[Run, str]):
     run, html = bare
     page = Page(html)
     assert "There is no ice in this scene" in page.text
-    assert "Bonds broken" not in page.within("dt")
+    assert "Bonds alive" not in page.within("dt")
     names = {figure["id"] for figure in page.every("figure")}
     assert not [name for name in names if "bond" in name or "snow" in name or "column" in name]
     absent = html[html.index("neither simulated") :].split("</p>")[0]
@@ -316,7 +290,7 @@ def test_same_run_same_page(bare: tuple[Run, str]):
 
 def test_studies_have_a_section_where_there_are_any(bare: tuple[Run, str], tmp_path: Path):
     run, html = bare
-    assert "Studies" not in Page(html).within("h2")
+    assert HOSTILE not in Page(html).within("h3")
     table = Table("Effects <b>", ("effect", "share (%)"), [["wind", 12.3456]], "A note.")
     figure = Figure()
     figure.subplots().plot([1, 2])
@@ -324,7 +298,7 @@ def test_studies_have_a_section_where_there_are_any(bare: tuple[Run, str], tmp_p
     study = Study(HOSTILE, "Lead.", ["Said."], [drawing], [table])
     write_study(study, tmp_path / "page.html", tmp_path / "digest.json", "")
     shown = report_of(run, [tmp_path / "digest.json"])
-    assert "Studies" in Page(shown).within("h2")
+    assert HOSTILE in Page(shown).within("h3")
     assert 'id="a_study" class="wide"' in shown and drawing.uri in shown
     assert "Effects &lt;b&gt;" in shown and "12.3" in shown and HOSTILE not in shown
 

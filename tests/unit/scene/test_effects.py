@@ -13,7 +13,6 @@ from floeflow.scene.effects import (
     check_effects,
     diagnostic_series,
     forcing_variables,
-    output_variables,
     plugin_switches,
     state_variables,
 )
@@ -25,7 +24,6 @@ def test_no_effects_add_nothing():
         plugin_switches,
         forcing_variables,
         state_variables,
-        output_variables,
         diagnostic_series,
     ):
         assert ask(()) == ()

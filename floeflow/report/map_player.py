@@ -1,0 +1,372 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The map with a time slider: fields of all windows as 8-bit frames, and the lines over them.
+
+A field of a year has hundreds of frames. Each value becomes one byte (0: no ice, 1 to 255: from the
+low to the high end of the scale), all frames of a field are deflated together and written in
+base64. The page inflates them with the browser's own DecompressionStream and draws them on a
+canvas, so that nothing is loaded from elsewhere.
+"""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Any, cast
+
+import contourpy
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from floeflow.report.figures.frame import Frame, graticule_lines
+from floeflow.report.figures.style import Quantity, common_limits, nice_step
+
+SECONDS_PER_DAY = 86400.0
+# Values of a byte: 0 says that there is no ice.
+LEVELS = 255
+ARROWS = 16
+# More frames than this add nothing that an eye can follow, and cost a reader's memory.
+MOST_FRAMES = 1500
+
+Bytes = NDArray[np.uint8]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MapField:
+    """A field that the map can show.
+
+    Parameters
+    ----------
+    title : str
+        On its button.
+    unit : str
+        Of the numbers that a reader sees.
+    scale : float
+        From the file's unit to that one.
+    quantity : Quantity
+        Colours and ends of the scale, in the reader's unit.
+    needs : tuple of str
+        Variables of the gridded output without which it is absent; they are its source.
+    text : str
+        What it is, in a sentence.
+    """
+
+    title: str
+    unit: str
+    scale: float
+    quantity: Quantity
+    needs: tuple[str, ...]
+    text: str
+
+
+FIELDS: dict[str, MapField] = {
+    "thickness": MapField(
+        "Thickness",
+        "m",
+        1.0,
+        Quantity("thickness", "", "dense", share=0.995),
+        ("sithick",),
+        "Ice thickness, mean over the ice in each cell.",
+    ),
+    "concentration": MapField(
+        "Concentration",
+        "%",
+        100.0,
+        Quantity("concentration", "", "ice", 0.0, 100.0),
+        ("siconc",),
+        "Ice concentration, share of each cell's sea under ice.",
+    ),
+    "drift": MapField(
+        "Drift",
+        "cm/s",
+        100.0,
+        Quantity("drift", "", "amp", share=0.99),
+        ("siu", "siv"),
+        "Drift speed; arrows show where the ice goes.",
+    ),
+    "deformation": MapField(
+        "Deformation",
+        "% per day",
+        100.0 * SECONDS_PER_DAY,
+        Quantity("deformation", "", "matter", share=0.98),
+        ("sidivvel", "sishevel"),
+        "Total deformation rate: the root of divergence squared plus shear squared.",
+    ),
+    "damage": MapField(
+        "Damage",
+        "%",
+        100.0,
+        Quantity("damage", "", "turbid", 0.0, 100.0),
+        ("damage",),
+        "Share of the outline of the elements that no bond holds.",
+    ),
+    "ridged": MapField(
+        "Ridged ice",
+        "%",
+        100.0,
+        Quantity("ridged", "", "speed", 0.0, share=0.995),
+        ("sirdgconc",),
+        "Share of the ice's area that is ridged.",
+    ),
+    "leads": MapField(
+        "Leads",
+        "%",
+        100.0,
+        Quantity("leads", "", "deep", 0.0, 30.0),
+        ("lead_fraction",),
+        "Open water inside of the pack: cells with at least 70 % ice.",
+    ),
+    "snow": MapField(
+        "Snow",
+        "cm",
+        100.0,
+        Quantity("snow", "", "tempo", share=0.995),
+        ("sisnthick",),
+        "Snow thickness, mean over the ice in each cell.",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A field of the map as the page takes it.
+
+    Parameters
+    ----------
+    name : str
+        Key in ``FIELDS``.
+    low, high : float
+        Ends of the colour scale in the reader's unit.
+    beyond : bool
+        Values lie beyond the high end.
+    data : str
+        Frames, deflated, in base64.
+    palette : str
+        255 colours of three bytes, in base64.
+    """
+
+    name: str
+    low: float
+    high: float
+    beyond: bool
+    data: str
+    palette: str
+
+
+def field_frames(grid: xr.Dataset, name: str) -> Array | None:
+    """A field at all times in the reader's unit, NaN where there is none, (time, y, x).
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        Gridded output, concentration as a share.
+    name : str
+        Key in ``FIELDS``.
+
+    Returns
+    -------
+    ndarray or None
+        None where the scene's effects do not bring the field.
+    """
+    field = FIELDS[name]
+    if any(need not in grid for need in field.needs):
+        return None
+    parts = [np.asarray(grid[need].values, dtype=float) for need in field.needs]
+    values = np.hypot(*parts) if len(parts) == 2 else parts[0]
+    there = np.asarray(grid["siconc"].values) > 0
+    return np.where(there, values * field.scale, np.nan)
+
+
+def encode_frames(values: Array, low: float, high: float) -> Bytes:
+    """Values as bytes: 0 where not finite, 1 at the low end, 255 at the high end and beyond."""
+    share = np.clip((values - low) / (high - low), 0.0, 1.0)
+    known = np.isfinite(values)
+    return np.where(known, 1 + np.rint(np.where(known, share, 0.0) * (LEVELS - 1)), 0).astype(
+        np.uint8
+    )
+
+
+def packed(data: Bytes | NDArray[np.int8]) -> str:
+    """Bytes deflated (zlib) and in base64."""
+    return base64.b64encode(zlib.compress(data.tobytes(), 9)).decode()
+
+
+def palette_of(quantity: Quantity) -> str:
+    """The colours of levels 1 to 255 as bytes in base64."""
+    colours = quantity.cmap(np.linspace(0.0, 1.0, LEVELS))[:, :3]
+    return base64.b64encode(np.rint(255 * colours).astype(np.uint8).tobytes()).decode()
+
+
+def make_layers(grid: xr.Dataset) -> Iterator[Layer]:
+    """The fields that the gridded output holds, rows from the top of the map down."""
+    for name, field in FIELDS.items():
+        values = field_frames(grid, name)
+        if values is None:
+            continue
+        low, high = common_limits(field.quantity, values)
+        high = round_up(high) if field.quantity.high is None else high
+        frames = encode_frames(values[:, ::-1], low, high)
+        beyond = bool(np.nanmax(values, initial=high) > high)
+        yield Layer(name, low, high, beyond, packed(frames), palette_of(field.quantity))
+
+
+def round_up(value: float) -> float:
+    """The next number of one digit and a half, so that a colour bar ends well."""
+    step = nice_step(value, 6)
+    return float(np.ceil(value / step - 1e-9) * step)
+
+
+def drift_arrows(grid: xr.Dataset) -> dict[str, Any] | None:
+    """Drift of boxes of cells at all times, as bytes of a common scale.
+
+    Returns
+    -------
+    dict or None
+        ``columns`` and ``rows`` of boxes, each of ``cells`` cells a side; ``data``: u, then v, of
+        all times, each (time, row, column) from the top down, 127 being ``top`` (cm/s). None
+        without drift.
+    """
+    if "siu" not in grid or "siv" not in grid:
+        return None
+    times, ny, nx = grid["siu"].shape
+    size = max(1, int(np.ceil(max(ny, nx) / ARROWS)))
+    rows, columns = -(-ny // size), -(-nx // size)
+    boxes = []
+    weight = np.nan_to_num(np.asarray(grid["siconc"].values, dtype=float))
+    for name in ("siu", "siv"):
+        values = np.nan_to_num(np.asarray(grid[name].values, dtype=float)) * weight
+        sums = (np.zeros((times, rows * size, columns * size)) for _ in range(2))
+        parts = []
+        for whole, source in zip(sums, (values, weight), strict=True):
+            whole[:, -ny:, :nx] = source[:, ::-1]
+            parts.append(whole.reshape(times, rows, size, columns, size).sum(axis=(2, 4)))
+        boxes.append(np.divide(parts[0], parts[1], out=np.zeros_like(parts[0]), where=parts[1] > 0))
+    speed = np.hypot(*boxes)
+    top = float(np.quantile(speed[speed > 0], 0.98)) if speed.any() else 1.0
+    data = np.stack([np.clip(np.rint(127 * box / top), -127, 127) for box in boxes])
+    return {
+        "rows": rows,
+        "columns": columns,
+        "cells": size,
+        "above": rows * size - ny,
+        "top": 100.0 * top,
+        "data": packed(data.astype(np.int8)),
+    }
+
+
+def land_path(land: xr.DataArray) -> str:
+    """Land of the mask as an SVG path in kilometres, y downward."""
+    values = np.pad(np.asarray(land.values, dtype=float), 1, mode="edge")
+    x, y = (padded_axis(land[axis].values / 1e3) for axis in ("x", "y"))
+    if values.max() < 0.5:
+        return ""
+    generator = contourpy.contour_generator(x, y, values, fill_type=contourpy.FillType.OuterOffset)
+    polygons, codes = cast(tuple[list[Array], list[Array]], generator.filled(0.5, np.inf))
+    parts = []
+    for points, offsets in zip(polygons, codes, strict=True):
+        for start, end in zip(offsets[:-1], offsets[1:], strict=True):
+            parts.append(svg_line(points[start:end]) + "Z")
+    return "".join(parts)
+
+
+def padded_axis(axis: Array) -> Array:
+    """Cell centres with one more at each end."""
+    step = axis[1] - axis[0] if axis.size > 1 else 1.0
+    return np.concatenate([[axis[0] - step], axis, [axis[-1] + step]])
+
+
+def svg_line(points: Array) -> str:
+    """Points (km) as moves of an SVG path, to the tenth of a kilometre."""
+    first, rest = points[0], points[1:]
+    head = f"M{first[0]:.1f} {-first[1]:.1f}"
+    return head + ("L" + " ".join(f"{x:.1f} {-y:.1f}" for x, y in rest) if len(rest) else "")
+
+
+def graticule_path(frame: Frame) -> tuple[str, list[tuple[float, float, str]]]:
+    """Parallels and meridians as one SVG path, and their labels with places (km, y downward)."""
+    lines, labels = graticule_lines(frame)
+    parts = []
+    for x, y in lines:
+        known = np.isfinite(x) & np.isfinite(y)
+        cuts = np.flatnonzero(np.diff(known.astype(int))) + 1
+        for piece in np.split(np.arange(x.size), cuts):
+            if known[piece[0]] and piece.size > 1:
+                kept = piece[::6] if piece[-1] in piece[::6] else np.append(piece[::6], piece[-1])
+                parts.append(svg_line(np.stack([x[kept], y[kept]], axis=1)))
+    return "".join(parts), [(x, -y, text) for x, y, text in labels]
+
+
+def chosen_frames(count: int) -> NDArray[np.int64]:
+    """Which times the map shows: all, or evenly spread ones where there are thousands."""
+    step = max(1, int(np.ceil(count / MOST_FRAMES)))
+    chosen = np.arange(0, count, step)
+    return chosen if chosen[-1] == count - 1 else np.append(chosen, count - 1)
+
+
+def time_labels(start: datetime, seconds: Iterable[float]) -> list[str]:
+    """Times as a reader takes them: dates alone where all are midnights."""
+    moments = [start + timedelta(seconds=float(each)) for each in seconds]
+    whole = all((at.hour, at.minute, at.second) == (0, 0, 0) for at in moments)
+    return [f"{at:%d %b %Y}" if whole else f"{at:%d %b %Y %H:%M}" for at in moments]
+
+
+def make_player(
+    grid: xr.Dataset, frame: Frame, start: datetime, window: float
+) -> dict[str, Any] | None:
+    """All that the page needs for its map.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        Gridded output at all times, concentration as a share, with ``window`` numbers.
+    frame : Frame
+        Land, projection, extent.
+    start : datetime
+        The scene's start.
+    window : float
+        Length of a window (s).
+
+    Returns
+    -------
+    dict or None
+        ``layers`` (each with data, palette, words and ends of its scale), ``arrows``, ``times``,
+        ``rows``, ``columns``, ``extent`` (km), ``land``, ``graticule``, ``labels``, ``bar``. None
+        where the grid holds no time.
+    """
+    if not grid.sizes.get("time", 0):
+        return None
+    shown = grid.isel(time=chosen_frames(grid.sizes["time"]))
+    left, right, bottom, top = frame.extent
+    path, labels = graticule_path(frame)
+    layers = []
+    for layer in make_layers(shown):
+        field = FIELDS[layer.name]
+        words = {"title": field.title, "unit": field.unit, "text": field.text}
+        layers.append(
+            {
+                **words,
+                "name": layer.name,
+                "low": layer.low,
+                "high": layer.high,
+                "beyond": layer.beyond,
+                "data": layer.data,
+                "palette": layer.palette,
+                "source": "grid.nc: " + ", ".join(field.needs),
+            }
+        )
+    return {
+        "layers": layers,
+        "arrows": drift_arrows(shown),
+        "times": time_labels(start, shown["window"].values * window),
+        "rows": shown.sizes["y"],
+        "columns": shown.sizes["x"],
+        "extent": (left, right, bottom, top),
+        "land": land_path(frame.land),
+        "graticule": path,
+        "labels": labels,
+        "bar": nice_step(right - left, 5),
+    }

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Gridded fields beside the published table of CMIP6 for sea ice, and what CF asks of the file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pint
+import pytest
+import xarray as xr
+from cf_xarray.units import units as registry
+
+from floeflow.column.thickness.categories import category_bounds
+from floeflow.diagnostics.cf_output import DESCRIPTIONS, join_files, join_times, write_grid
+from floeflow.diagnostics.gridded import make_grid
+from unit.diagnostics.test_gridded import ALL, make_mask, make_state, scene_of
+
+# Standard name, unit and the first cell method of the CMIP6 table SImon, data request 01.00.31
+# (github.com/PCMDI/cmip6-cmor-tables, Tables/CMIP6_SImon.json). The table's fields are monthly
+# means; ours are instants, as its sidivvel and sishevel are.
+ICE, SEA = "area: mean where sea_ice (comment: mask=siconc)", "area: mean where sea"
+SHEAR = "maximum_over_coordinate_rotation_of_sea_ice_horizontal_shear_strain_rate"
+SIMON = {
+    "siconc": ("sea_ice_area_fraction", "%", SEA),
+    "sithick": ("sea_ice_thickness", "m", ICE),
+    "sivol": ("sea_ice_thickness", "m", SEA),
+    "simass": ("sea_ice_amount", "kg m-2", SEA),
+    "sisnthick": ("surface_snow_thickness", "m", ICE),
+    "sitemptop": ("sea_ice_surface_temperature", "K", ICE),
+    "siitdconc": ("sea_ice_area_fraction", "%", SEA),
+    "siitdthick": (
+        "sea_ice_thickness", "m", "area: mean where sea_ice (comment: mask=siitdconc)",
+    ),
+    "sirdgconc": ("area_fraction", "1", ICE),
+    "sirdgthick": (
+        "sea_ice_thickness", "m", "area: mean where sea_ice_ridges (comment: mask=sirdgconc)",
+    ),
+    "simpconc": ("area_fraction", "%", ICE),
+    "siu": ("sea_ice_x_velocity", "m s-1", ICE),
+    "siv": ("sea_ice_y_velocity", "m s-1", ICE),
+    "sispeed": ("sea_ice_speed", "m s-1", ICE),
+    "sidivvel": ("divergence_of_sea_ice_velocity", "s-1", ICE),
+    "sishevel": (SHEAR, "s-1", ICE),
+}  # fmt: skip
+# Ours alone: CMIP6 has no name for it.
+OWN = {"lead_fraction"}
+
+
+def rich_state() -> xr.Dataset:
+    """Five categories of thickness, ridges and ponds."""
+    state = make_state()
+    category = np.array([0.1, 0.2, 0.3, 0.2, 0.2])
+    middle = np.array([0.3, 1.0, 2.0, 3.5, 6.0])
+    share = state["ice_fraction"].values.sum(axis=1)[:, None] * category
+    dims = ("element", "category")
+    state = state.drop_vars(["ice_fraction", "ice_volume", "snow_volume", "surface_temperature"])
+    ones = np.ones(share.shape)
+    return state.assign(
+        ice_fraction=(dims, share),
+        ice_volume=(dims, share * middle),
+        snow_volume=(dims, 0.1 * share),
+        surface_temperature=(dims, 250.0 + 2.0 * np.arange(5) * ones),
+        level_area=(dims, 0.75 * ones),
+        level_volume=(dims, 0.5 * ones),
+        pond_area=(dims, 0.2 * ones),
+    )
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("tables")
+    scene = scene_of(folder, ALL)
+    parts = []
+    for window in (1, 2):
+        state = rich_state()
+        state.attrs |= {"window": window, "time": 86400.0 * window}
+        parts.append(folder / f"{window}.nc")
+        write_grid(join_times([make_grid(scene, state, make_mask(2))]), parts[-1])
+    join_files(parts, folder / "grid.nc")
+    return folder / "grid.nc"
+
+
+def test_names_units_and_methods_are_those_of_the_table(file: Path):
+    assert set(DESCRIPTIONS) == set(SIMON) | OWN
+    with netCDF4.Dataset(file) as data:
+        for name, (standard_name, unit, mean) in SIMON.items():
+            found = data[name]
+            assert (found.standard_name, found.units) == (standard_name, unit), name
+            assert found.cell_methods == f"{mean} time: point", name
+        assert not hasattr(data["lead_fraction"], "standard_name")
+
+
+def test_everything_that_attributes_name_is_there(file: Path):
+    with netCDF4.Dataset(file) as data:
+        assert data.Conventions == "CF-1.11"
+        for name, found in data.variables.items():
+            if hasattr(found, "units") and found.units:
+                try:
+                    registry(found.units)
+                except pint.UndefinedUnitError:
+                    assert " since " in found.units, name
+            for kind in ("coordinates", "grid_mapping", "bounds"):
+                for other in getattr(found, kind, "").split():
+                    assert other in data.variables, (name, other)
+            if hasattr(found, "cell_measures"):
+                assert found.cell_measures.split(": ")[1] in data.variables
+            if hasattr(found, "bounds"):
+                assert data[found.bounds].dimensions == (*found.dimensions, "bnds")
+        assert data["sirdgconc"].coordinates.split()[-1] == "typesirdg"
+        assert data["typesirdg"][...] == "sea_ice_ridges"
+        assert data["typemp"].standard_name == "area_type"
+
+
+def test_what_does_not_change_has_no_time(file: Path):
+    with xr.open_dataset(file) as data:
+        for name in ("crs", "cell_area", "sea_area", "lat", "lon", "iceband_bnds", "typemp"):
+            assert "time" not in data[name].dims, name
+        assert data["time"].dtype.kind == "M" and data.sizes["time"] == 2
+        assert data["siitdconc"].dims == ("time", "iceband", "y", "x")
+
+
+def test_categories_add_up_and_keep_their_thickness(file: Path):
+    with xr.open_dataset(file) as data:
+        total = data["siitdconc"].sum("iceband", skipna=False)
+        np.testing.assert_allclose(total, data["siconc"], rtol=1e-9, atol=1e-9)
+        ice = data["sithick"].notnull()
+        for band, thickness in enumerate((0.3, 1.0, 2.0, 3.5, 6.0)):
+            found = data["siitdthick"].isel(iceband=band).values[ice.values]
+            np.testing.assert_allclose(found, thickness, rtol=1e-6)
+        np.testing.assert_allclose(data["iceband_bnds"][:, 0], category_bounds(5)[:-1])
+
+
+def test_ridges_ponds_and_temperature_are_means_over_the_ice(file: Path):
+    with xr.open_dataset(file) as data:
+        ice = data["sithick"].notnull().values
+        for name, expected in (
+            ("sirdgconc", 0.25),
+            ("simpconc", 100.0 * 0.75 * 0.2),
+            # Half of the volume on a quarter of the area.
+            ("sirdgthick", 2.0 * (0.03 + 0.2 + 0.6 + 0.7 + 1.2)),
+            ("sitemptop", 250.0 + 2.0 * (0.2 + 0.6 + 0.6 + 0.8)),
+        ):
+            np.testing.assert_allclose(data[name].values[ice], expected, rtol=1e-6, err_msg=name)
+        np.testing.assert_allclose(data["simass"], 917.0 * data["sivol"])
+
+
+def test_fields_of_absent_effects_are_absent(tmp_path: Path):
+    bare = make_grid(scene_of(tmp_path, "wind"), make_state(snow=False), make_mask())
+    there = set(DESCRIPTIONS) & set(map(str, bare.data_vars))
+    assert there == {
+        "siconc", "sithick", "sivol", "simass", "lead_fraction",
+        "siu", "siv", "sispeed", "sidivvel", "sishevel",
+    }  # fmt: skip

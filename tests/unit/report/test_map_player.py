@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The map with a time slider: bytes that a reader can turn back into the fields."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from datetime import datetime
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from floeflow.report.figures.frame import Frame
+from floeflow.report.map_player import (
+    FIELDS,
+    chosen_frames,
+    encode_frames,
+    land_path,
+    make_player,
+    round_up,
+    time_labels,
+)
+from floeflow.scene.blocks import Domain
+
+DOMAIN = Domain(x_min=-2e5, x_max=2e5, y_min=-1e5, y_max=1e5, spacing=5e4)
+NY, NX, TIMES = 4, 8, 3
+
+
+def grid() -> xr.Dataset:
+    """Ice in the lower left half that thickens with time; drift to the right."""
+    x, y = -1.75e5 + 5e4 * np.arange(NX), -7.5e4 + 5e4 * np.arange(NY)
+    cover = np.zeros((TIMES, NY, NX))
+    cover[:, :2, :4] = 0.8
+    thick = np.where(cover > 0, 1.0 + np.arange(TIMES)[:, None, None], np.nan)
+    u = np.where(cover > 0, 0.1, np.nan)
+    fields = {"siconc": cover, "sithick": thick, "siu": u, "siv": 0.0 * u}
+    return xr.Dataset(
+        {name: (("time", "y", "x"), values) for name, values in fields.items()},
+        {"x": x, "y": y, "window": ("time", np.arange(TIMES))},
+    )
+
+
+def frame() -> Frame:
+    land = np.zeros((8, 16))
+    land[:, 12:] = 1
+    axes = {"y": -8.75e4 + 2.5e4 * np.arange(8), "x": -1.875e5 + 2.5e4 * np.arange(16)}
+    return Frame(DOMAIN, xr.DataArray(land, axes, ("y", "x")))
+
+
+def unpack(text: str) -> np.ndarray:
+    return np.frombuffer(zlib.decompress(base64.b64decode(text)), np.uint8)
+
+
+def test_frames_come_back_to_half_a_level():
+    player = make_player(grid(), frame(), datetime(1982, 1, 1), 86400.0)
+    assert player is not None
+    layers = {layer["name"]: layer for layer in player["layers"]}
+    assert list(layers) == ["thickness", "concentration", "drift"]
+    thickness = layers["thickness"]
+    levels = unpack(thickness["data"]).reshape(TIMES, NY, NX)
+    # From the top of the map down.
+    ice = levels[:, 2:, :4].astype(float)
+    assert not levels[:, :2].any() and not levels[:, :, 4:].any()
+    low, high = thickness["low"], thickness["high"]
+    back = low + (ice - 1) / 254 * (high - low)
+    expected = 1.0 + np.arange(TIMES)[:, None, None] + 0.0 * ice
+    np.testing.assert_allclose(back, expected, atol=(high - low) / 508 + 1e-9)
+    assert thickness["source"] == "grid.nc: sithick"
+    assert layers["drift"]["unit"] == "cm/s"
+    assert len(base64.b64decode(thickness["palette"])) == 3 * 255
+    assert player["times"] == ["01 Jan 1982", "02 Jan 1982", "03 Jan 1982"]
+
+
+def test_arrows_point_where_the_ice_goes():
+    player = make_player(grid(), frame(), datetime(1982, 1, 1), 86400.0)
+    assert player is not None
+    arrows = player["arrows"]
+    u, v = unpack(arrows["data"]).view(np.int8).reshape(2, TIMES, arrows["rows"], arrows["columns"])
+    assert (u[:, 2:, :4] == 127).all() and not v.any() and not u[:, :2].any()
+    assert arrows["top"] == pytest.approx(10.0)
+
+
+def test_values_beyond_the_scale_and_missing_ones():
+    levels = encode_frames(np.array([np.nan, -1.0, 0.0, 5.0, 10.0, 99.0]), 0.0, 10.0)
+    assert levels.tolist() == [0, 1, 1, 128, 255, 255]
+
+
+def test_land_is_drawn_where_the_mask_has_it():
+    path = land_path(frame().land)
+    numbers = [float(part) for part in path.replace("M", " ").replace("L", " ").rstrip("Z").split()]
+    x = np.array(numbers[::2])
+    # Half way between the centres of the last cell of sea and the first of land.
+    assert x.min() == pytest.approx(100.0)
+    assert x.max() >= 200.0
+    assert land_path(0 * frame().land) == ""
+
+
+def test_scales_end_on_round_numbers():
+    assert [round_up(value) for value in (0.93, 3.87, 11.2, 47.0)] == [1.0, 4.0, 12.0, 50.0]
+
+
+def test_thousands_of_windows_are_thinned_with_the_last_kept():
+    assert chosen_frames(365).tolist() == list(range(365))
+    many = chosen_frames(4000)
+    assert len(many) <= 1501 and many[0] == 0 and many[-1] == 3999
+
+
+def test_hours_stand_where_windows_are_shorter_than_days():
+    start = datetime(1982, 1, 1)
+    assert time_labels(start, [0.0, 21600.0]) == ["01 Jan 1982 00:00", "01 Jan 1982 06:00"]
+
+
+def test_every_field_names_what_it_needs():
+    assert all(field.needs and field.text.endswith(".") for field in FIELDS.values())
