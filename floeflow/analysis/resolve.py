@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from floeflow.analysis.estimate.choose import choose
 from floeflow.scene import Scene
 from floeflow.scene.load import load_scene
 
@@ -18,4 +17,12 @@ def resolve_scene(path: str | Path) -> Scene:
     FloeError
         One sentence that names the file and the key.
     """
-    return load_scene(path, choose)
+    return load_scene(path, _choose)
+
+
+def _choose(scene: Scene) -> tuple[str, ...]:
+    # Estimates read masks and weather, whose libraries take longer to import than a scene that
+    # names its effects takes to load.
+    from floeflow.analysis.estimate.choose import choose
+
+    return choose(scene)

@@ -22,7 +22,7 @@ from floeflow.core.lock import hold_alone
 from floeflow.coupling import resume
 from floeflow.coupling.job import Job
 from floeflow.coupling.launch import run_ranks
-from floeflow.forcings.window import forcing_files
+from floeflow.forcings.files import users_files
 from floeflow.scene import Scene, stage_hash
 from floeflow.state import read_dataset, read_state, write_dataset
 from floeflow.state.snapshots import join_snapshots, split_snapshots
@@ -78,7 +78,7 @@ def fixed_hashes(chunk: Chunk) -> dict[str, str]:
     """What goes into the hash of every window of a run; see ``resume.window_hashes``."""
     stages = ("dynamics", "column", "cure", "forcing")
     hashes = {stage: stage_hash(chunk.scene, stage) for stage in stages}
-    files = [resume.file_hash(path) for path in forcing_files(chunk.scene)]
+    files = [resume.file_hash(path) for path in users_files(chunk.scene)]
     return {
         **hashes,
         "forcing_files": " ".join(files),

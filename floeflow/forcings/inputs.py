@@ -11,8 +11,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from floeflow.core import cf_reading as cf
+from floeflow.forcings.files import forcing_files
 from floeflow.forcings.forcing import describe, places_of
-from floeflow.forcings.sources import Sources, find_sources, forcing_files, forcing_hints
+from floeflow.forcings.sources import Sources, find_sources, forcing_hints
 from floeflow.forcings.tracks import Track, open_files
 from floeflow.scene.blocks import Scene
 

@@ -3,15 +3,10 @@
 
 from __future__ import annotations
 
-import glob
-import hashlib
-import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from floeflow.core import cf_reading as cf
-from floeflow.core.atomic_write import write_whole
 from floeflow.core.errors import FloeError
 from floeflow.core.input_files import Hints
 from floeflow.forcings import cf_variables as names
@@ -26,7 +21,6 @@ SUBSTITUTES = {
 }
 # Quantities that forcing.weather always stands in for: few files have them, and they matter little.
 DEFAULTS = ("ocean_heat_flux", "air_pressure")
-UNPACKED = Path("results/inputs")
 
 
 @dataclass(frozen=True)
@@ -60,61 +54,6 @@ def clock_of(scene: Scene) -> Clock:
 def forcing_hints(scene: Scene) -> Hints:
     """What the scene says of its forcing files."""
     return Hints("forcing", scene.forcing.crs)
-
-
-def forcing_files(scene: Scene) -> list[Path]:
-    """Files of a scene's forcing, patterns filled in and archives unpacked, in their order.
-
-    Raises
-    ------
-    FloeError
-        Where a pattern meets no file, or an archive holds none.
-    """
-    given = ([scene.forcing.file] if scene.forcing.file else []) + list(scene.forcing.files)
-    found: list[Path] = []
-    for entry in given:
-        matches = [Path(item) for item in sorted(glob.glob(entry))]
-        if not matches:
-            if any(sign in entry for sign in "*?["):
-                raise FloeError(f"forcing.files: no file is named as {entry}")
-            matches = [Path(entry)]
-        for path in matches:
-            archive = path.suffix.lower() == ".zip" and not path.name.endswith(".zarr.zip")
-            found += unzip(path) if archive else [path]
-    return list(dict.fromkeys(found))
-
-
-def unzip(path: Path, folder: Path = UNPACKED) -> list[Path]:
-    """Unpack an archive's data files, once: ERA5 comes as one.
-
-    Raises
-    ------
-    FloeError
-        Where it cannot be read, or holds no data file.
-    """
-    if not path.is_file():
-        raise FloeError(f"{path}: there is no such file")
-    stat = path.stat()
-    mark = f"{path.resolve()} {stat.st_size} {stat.st_mtime_ns}"
-    into = folder / f"{path.stem}-{hashlib.sha256(mark.encode()).hexdigest()[:12]}"
-    found = []
-    try:
-        with zipfile.ZipFile(path) as archive:
-            for item in archive.infolist():
-                # Only the last part of a member's name: none can point out of the folder.
-                name = Path(item.filename).name
-                if item.is_dir() or not name.lower().endswith((".nc", ".nc4", ".grib", ".grb")):
-                    continue
-                target = into / name
-                if not target.is_file():
-                    with write_whole(target) as temporary:
-                        Path(temporary).write_bytes(archive.read(item))
-                found.append(target)
-    except (OSError, zipfile.BadZipFile, RuntimeError) as error:
-        raise FloeError(f"{path}: cannot be unpacked ({type(error).__name__})") from None
-    if not found:
-        raise FloeError(f"{path}: holds no NetCDF or GRIB file")
-    return found
 
 
 def find_sources(scene: Scene, files: Sequence[InputFile]) -> Sources:

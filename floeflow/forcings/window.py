@@ -8,8 +8,8 @@ from pathlib import Path
 import xarray as xr
 
 from floeflow.forcings.analytic import make_analytic, write_cf
+from floeflow.forcings.files import forcing_files
 from floeflow.forcings.forcing import make_forcing
-from floeflow.forcings.sources import forcing_files as user_files
 from floeflow.scene import Scene
 
 
@@ -37,7 +37,7 @@ def window_forcing(scene: Scene, window: int, scratch: Path) -> xr.Dataset:
         For what is missing, does not cover scene or window, or cannot be.
     """
     if scene.forcing.source != "analytic":
-        return make_forcing(scene, user_files(scene), window)
+        return make_forcing(scene, forcing_files(scene), window)
     path = scratch / f"analytic_{window:04d}.nc"
     scratch.mkdir(parents=True, exist_ok=True)
     try:
@@ -45,8 +45,3 @@ def window_forcing(scene: Scene, window: int, scratch: Path) -> xr.Dataset:
         return make_forcing(scene, path, window)
     finally:
         path.unlink(missing_ok=True)
-
-
-def forcing_files(scene: Scene) -> tuple[str, ...]:
-    """Files of the user that the forcing is read from."""
-    return tuple(map(str, user_files(scene))) if scene.forcing.source == "file" else ()

@@ -3,31 +3,26 @@
 
 The libraries that read them are large, and a damaged file may bring them down, or make them ask for
 all memory: then the run ends with a sentence, not with them. A check that passed is remembered by
-what it depends on: keys of the scene, size and age of the files, the code that reads them.
+what it depends on: keys of the scene, size and age of the files, the code that reads them. This
+side imports no reader: it stands in the way of every start of the workflow.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import resource
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
 from floeflow.core.atomic_write import write_text
-from floeflow.core.errors import FloeError, answer
-from floeflow.coupling.sea.reading import check_sea_file
-from floeflow.forcings.inputs import check_forcing_file
-from floeflow.forcings.window import forcing_files
-from floeflow.masks.mask_file import check_mask_file
+from floeflow.core.errors import FloeError
+from floeflow.forcings.files import users_files
 from floeflow.scene import Scene
 from floeflow.workflow.library import library_digest
 
 PASSED = Path("results/inputs/passed")
-# Memory and processor time of a check.
-MOST_BYTES, MOST_SECONDS = 12 * 2**30, 600
 KEYS = {"domain", "mask", "forcing", "time", "effects", "sea"}
 
 
@@ -54,7 +49,7 @@ def check_inputs(scene: Scene, passed: set[str], remember: bool = True) -> None:
     if digest in passed or mark.is_file():
         return
     done = subprocess.run(
-        [sys.executable, "-m", "floeflow.workflow.input_guard"],
+        [sys.executable, "-m", "floeflow.workflow.input_reader"],
         input=scene.model_dump_json(),
         capture_output=True,
         text=True,
@@ -80,7 +75,7 @@ def _digest(scene: Scene) -> str:
     try:
         given = [
             scene.mask.file,
-            *forcing_files(scene),
+            *users_files(scene),
             *([scene.sea.file] if scene.sea.file else []),
         ]
     except FloeError:
@@ -94,24 +89,3 @@ def _digest(scene: Scene) -> str:
     code = [library_digest("mask"), library_digest("windows")]
     text = json.dumps([keys, files, code], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
-
-
-def _check() -> str:
-    for kind, most in ((resource.RLIMIT_AS, MOST_BYTES), (resource.RLIMIT_CPU, MOST_SECONDS)):
-        _, hard = resource.getrlimit(kind)
-        resource.setrlimit(kind, (most if hard < 0 else min(most, hard), hard))
-    scene = Scene.model_validate_json(sys.stdin.read())
-    try:
-        check_mask_file(scene)
-        check_forcing_file(scene)
-        if "mixed_layer" in scene.effects:
-            check_sea_file(scene)
-    except MemoryError:
-        raise FloeError(
-            f"{scene.mask.file}, or the forcing, asks for more than {MOST_BYTES >> 30} GiB"
-        ) from None
-    return ""
-
-
-if __name__ == "__main__":
-    sys.exit(answer(_check))

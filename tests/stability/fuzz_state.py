@@ -144,7 +144,7 @@ def main() -> None:
             (corpus / name).write_bytes(seed)
         options.append(f"-max_len={len(whole) + 200}")
     else:
-        for k, seed in enumerate(np.random.default_rng(0).integers(0, 256, (120, 64), np.uint8)):
+        for k, seed in enumerate(np.random.default_rng(0).integers(0, 256, (60, 64), np.uint8)):
             (corpus / f"random-{k}").write_bytes(seed.tobytes())
         options.append("-len_control=0")
     run = {"bytes": lambda data: fuzz_bytes(place, data, original)}.get(

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from floeflow.analysis.studies.plans import STUDIES, study_variants
 from floeflow.diagnostics.study_summaries import valid_digests
-from floeflow.forcings.window import forcing_files
+from floeflow.forcings.files import users_files
 from floeflow.workflow.library import library_digest
 from floeflow.workflow.scenes import Scenes
 
@@ -79,7 +79,7 @@ def wall_mesh(wildcards):
 
 def user_forcing(wildcards):
     """Forcing files of the user; formulae need none."""
-    return list(forcing_files(SCENES.scene(wildcards.scene)))
+    return list(users_files(SCENES.scene(wildcards.scene)))
 
 
 def chosen_by(wildcards):

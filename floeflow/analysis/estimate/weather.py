@@ -100,8 +100,8 @@ def _file_fields(scene: Scene, names: tuple[str, ...]) -> dict[str, list[np.ndar
     """
     from floeflow.core.errors import FloeError
     from floeflow.core.grids import scene_grid
+    from floeflow.forcings.files import forcing_files
     from floeflow.forcings.forcing import make_forcing
-    from floeflow.forcings.sources import forcing_files
 
     last = scene.time.windows
     windows = sorted({1, (1 + last) // 2, last})

@@ -21,23 +21,22 @@ LAWS = EngineParams(time_step=1.0, contact_damping=0.3)
 def crowd(random: np.random.Generator, tries: int = 200) -> Arrays:
     """A disc and others that touch it and do not overlap, of unlike radii and thicknesses."""
     spread, many = random.uniform(0.0, 1.5), random.integers(1, 30)
-    angles, radii = [0.0], [float(np.exp(random.normal(0.0, spread)))]
-    places = [(1.0 + radii[0], 0.0)]
+    angles, radii = [0.0], np.array([np.exp(random.normal(0.0, spread))])
+    places = np.array([(1.0 + radii[0], 0.0)])
     side_by_side = random.random() < 0.5
     for _ in range(tries):
         r = float(np.exp(random.normal(0.0, spread)))
         k = random.integers(len(angles))
         beside = 2.0 * np.arcsin(np.sqrt(r / (1.0 + r) * radii[k] / (1.0 + radii[k])))
         at = angles[k] + beside * (1.0 + 1e-9) if side_by_side else random.uniform(0.0, 2.0 * np.pi)
-        place = ((1.0 + r) * np.cos(at), (1.0 + r) * np.sin(at))
-        gaps = [np.hypot(*np.subtract(place, other)) for other in places]
-        if all(gap >= r + other for gap, other in zip(gaps, radii, strict=True)):
+        place = (1.0 + r) * np.cos(at), (1.0 + r) * np.sin(at)
+        if (np.hypot(*(places - place).T) >= r + radii).all():
             angles.append(at)
-            radii.append(r)
-            places.append(place)
+            radii = np.append(radii, r)
+            places = np.vstack([places, place])
         if len(radii) >= many:
             break
-    x, y = np.array([(0.0, 0.0), *places]).T
+    x, y = np.vstack([(0.0, 0.0), places]).T
     h = np.exp(random.uniform(-2.0, 2.0, len(x)) * random.integers(0, 2))
     return discs(1e3 * x, 1e3 * y, 1e3 * np.array([1.0, *radii]), h)
 
@@ -67,12 +66,17 @@ def block(pack: Arrays, laws: EngineParams) -> tuple[np.ndarray, np.ndarray, np.
     return out[0], out[1], out[2]
 
 
+@pytest.fixture(scope="module")
+def crowds() -> list[Arrays]:
+    random = np.random.default_rng(3)
+    return [crowd(random) for _ in range(250)]
+
+
 @pytest.mark.parametrize("friction", [False, True])
-def test_no_crowd_is_stiffer_than_the_bound(friction: bool) -> None:
-    random, laws = np.random.default_rng(3), replace(LAWS, friction=friction)
+def test_no_crowd_is_stiffer_than_the_bound(crowds: list[Arrays], friction: bool) -> None:
+    laws = replace(LAWS, friction=friction)
     shares = []
-    for _ in range(400):
-        pack = crowd(random)
+    for pack in crowds:
         bound = pack_stiffness(pack, None, laws)
         mosts = bound.stiffness.diagonal()[:3], bound.contact_damping[:3], bound.damped_per_step[:3]
         for crowded, most in zip(block(pack, laws), mosts, strict=True):

@@ -29,7 +29,7 @@ def energy_growth(
     with Engine(MPI.COMM_SELF, params, log) as engine:
         engine.load(elements, bonds)
         first = engine.diagnostics()["kinetic"]
-        engine.run(2000)
+        engine.run(600)
         last = engine.diagnostics()
     return (last["kinetic"] + last["elastic_bond"]) / first
 

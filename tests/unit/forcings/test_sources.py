@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from floeflow.core.errors import FloeError
-from floeflow.forcings import forcing, sources
+from floeflow.forcings import files, forcing
 from floeflow.forcings.inputs import check_forcing_file, described
 from floeflow.scene.blocks import Scene
 
@@ -56,7 +56,7 @@ def scene_of(*files: Path | str, **block: Any) -> Scene:
 
 def make(scene: Scene, window: int = 1) -> xr.Dataset:
     check_forcing_file(scene)
-    return forcing.make_forcing(scene, sources.forcing_files(scene), window)
+    return forcing.make_forcing(scene, files.forcing_files(scene), window)
 
 
 def test_an_atmosphere_alone_needs_what_stands_in_for_the_ocean(tmp_path: Path) -> None:
@@ -152,12 +152,12 @@ def test_an_archive_as_era5_delivers_it(tmp_path: Path, monkeypatch: pytest.Monk
             archive.write(tmp_path / name, f"../../{name}")
             (tmp_path / name).unlink()
     scene = scene_of(tmp_path / "era5.zip", fallback={"ocean": "rest"})
-    files = sources.forcing_files(scene)
-    assert [path.parent.parent for path in files] == [Path("results/inputs")] * 2
+    found = files.forcing_files(scene)
+    assert [path.parent.parent for path in found] == [Path("results/inputs")] * 2
     np.testing.assert_allclose(make(scene)["longwave_down"], 200.0, rtol=1e-9)
     (tmp_path / "era5.zip").write_bytes(b"PK nothing")
     with pytest.raises(FloeError, match="era5.zip: cannot be unpacked"):
-        sources.forcing_files(scene)
+        files.forcing_files(scene)
 
 
 def test_final_and_preliminary_era5_are_one_series(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import pyproj
 import pytest
 import xarray as xr
 
-from floeflow.forcings import forcing, sources
+from floeflow.forcings import files, forcing
 from floeflow.forcings.inputs import check_forcing_file
 from floeflow.masks import mask
 from floeflow.masks.mask_file import check_mask_file
@@ -176,7 +176,7 @@ def test_jra55(tmp_path: Path) -> None:
         {"name": "t", "domain": AWAY, "effects": effects, "forcing": block, "time": {"windows": 1}}
     )
     check_forcing_file(scene)
-    made = forcing.make_forcing(scene, sources.forcing_files(scene), 1)
+    made = forcing.make_forcing(scene, files.forcing_files(scene), 1)
     np.testing.assert_allclose(np.hypot(made["wind_u"], made["wind_v"]), 5.0, rtol=5e-3)
     hour = made["time"].values / 3600.0
     np.testing.assert_allclose(made["air_temperature"][:, 0, 0], 240.0 + hour, rtol=1e-9)

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The process that reads a scene's input files for `input_guard`: a scene on its standard input."""
+
+from __future__ import annotations
+
+import resource
+import sys
+
+from floeflow.core.errors import FloeError, answer
+from floeflow.coupling.sea.reading import check_sea_file
+from floeflow.forcings.inputs import check_forcing_file
+from floeflow.masks.mask_file import check_mask_file
+from floeflow.scene import Scene
+
+# Memory and processor time of a check.
+MOST_BYTES, MOST_SECONDS = 12 * 2**30, 600
+
+
+def _check() -> str:
+    for kind, most in ((resource.RLIMIT_AS, MOST_BYTES), (resource.RLIMIT_CPU, MOST_SECONDS)):
+        _, hard = resource.getrlimit(kind)
+        resource.setrlimit(kind, (most if hard < 0 else min(most, hard), hard))
+    scene = Scene.model_validate_json(sys.stdin.read())
+    try:
+        check_mask_file(scene)
+        check_forcing_file(scene)
+        if "mixed_layer" in scene.effects:
+            check_sea_file(scene)
+    except MemoryError:
+        raise FloeError(
+            f"{scene.mask.file}, or the forcing, asks for more than {MOST_BYTES >> 30} GiB"
+        ) from None
+    return ""
+
+
+if __name__ == "__main__":
+    sys.exit(answer(_check))
