@@ -28,8 +28,8 @@ from floeflow.state import read_dataset
 RESULTS = Path("results")
 KM2, KM3 = 1e6, 1e9
 # Extent of the whole hemisphere, mean of 1979 to 1990 (million km2; NSIDC Sea Ice Index v3, doi
-# 10.7265/N5K072F8), and the share of it inside the scene's rectangle: of NSIDC's concentration (0051,
-# doi 10.5067/8GQ8LZQVL0VL) of 1 February and 18 August 2015.
+# 10.7265/N5K072F8), and the share of it inside the scene's rectangle: of NSIDC's concentration
+# (0051, doi 10.5067/8GQ8LZQVL0VL) of 1 February and 18 August 2015.
 EXTENT = {3: 15.9, 9: 7.1}
 INSIDE = {3: 0.76, 9: 0.95}
 

@@ -120,7 +120,7 @@ def drift(
     """
     to_places = pyproj.Transformer.from_crs(crs, "EPSG:4326", always_xy=True)
     left_out = set(remapped)
-    found: dict[np.datetime64, list[Array]] = {}
+    found: dict[str, list[Array]] = {}
     before: xr.Dataset | None = None
     for now in _boundaries(elements):
         if before is not None and int(now.attrs["window"]) not in left_out:
@@ -130,13 +130,13 @@ def drift(
             lon, lat = to_places.transform(now["x"].values[j], now["y"].values[j])
             here = central(np.asarray(lon), np.asarray(lat)) & (now["type"].values[j] == 1)
             path = [(now[k].values[j] - before[k].values[i])[here] for k in ("drift_x", "drift_y")]
-            month = np.datetime64(now["time"].values.astype("datetime64[M]"))
+            month = str(now["time"].values)[:7]
             found.setdefault(month, []).append(np.hypot(*path) / window)
         before = now
-    months = np.array(sorted(found))
     quartiles = np.array(
-        [np.percentile(np.concatenate(found[month]), (25, 50, 75)) for month in months]
+        [np.percentile(np.concatenate(found[month]), (25, 50, 75)) for month in sorted(found)]
     )
+    months = np.array(sorted(found), "datetime64[M]")
     return Drift(months, quartiles[:, 0], quartiles[:, 1], quartiles[:, 2])
 
 
