@@ -120,6 +120,6 @@ def _columns(scene: Scene, packing: xr.Dataset) -> dict[str, np.ndarray]:
     snow = np.full(len(fraction), scene.mask.snow_thickness)
     surface = scene.column.initial_surface
     columns = first_columns(fraction, volume, snow, surface, column_settings(scene))
-    for name in ("level_area", "level_volume"):
+    for name in columns.keys() & {"level_area", "level_volume"}:
         columns[name] = columns[name] * scene.mask.level_share
     return columns

@@ -88,6 +88,19 @@ def test_snow_lies_on_the_ice_and_the_surface_is_at_the_freezing_point(
     np.testing.assert_allclose(state["surface_temperature"], freezing, rtol=1e-12)
 
 
+def test_ridges_of_the_start_leave_a_share_of_level_ice(scene: Scene, packed: xr.Dataset) -> None:
+    names = ("thermodynamics", "snow", "shortwave", "ponds", "ridging", "redistribution")
+    column = scene.column.model_copy(update={"scheme": "mushy", "categories": 5})
+    block = scene.mask.model_copy(update={"level_share": 0.65})
+    melting = scene.model_copy(
+        update={"effects": (*BARE, *names), "column": column, "mask": block}
+    )
+    state = initial.make_state(melting, packed, None)
+    ice = state["ice_fraction"].values > 0.0
+    for name in ("level_area", "level_volume"):
+        np.testing.assert_array_equal(state[name].values, np.where(ice, 0.65, 0.0))
+
+
 def test_an_effect_left_out_leaves_no_variable(scene: Scene, packed: xr.Dataset) -> None:
     state = state_of(scene.model_copy(update={"effects": BARE}), packed)
     check_state(state)

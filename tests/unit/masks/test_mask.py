@@ -229,6 +229,10 @@ def test_thickness_rules_and_file(tmp_path: Path) -> None:
     ice = constant["siconc"].values > 0
     assert set(constant["sithick"].values[ice]) == {2.0}
     assert (constant["sithick"].values[~ice] == 0).all()
+    tabled = mask.make_mask(scene_of(tmp_path / "ice.nc", thickness_rule="climatology"), None)
+    shares = tabled["siconc"].values[ice]
+    assert 0.3 < (tabled["sithick"].values[ice] / shares).min() < 3.0
+    assert np.ptp(tabled["sithick"].values[ice] / shares) > 0.1
     given = mask.make_mask(
         scene_of(tmp_path / "ice.nc", thickness="h", thickness_is="in_ice", fill_reach=0.0), None
     )
