@@ -5,7 +5,7 @@ Each fresh element is a mixture of old ones. A pair of fresh neighbours is bonde
 their parts were on average: parts of one old element hold together wholly, parts of a bonded pair
 by the share of the glue line that was whole, parts of elements side by side that were not bonded
 not at all. Those that held best are bonded, as many as keep the pack's strength.
-docs/theory/remap.md has the rule.
+docs/theory/remesh.md has the rule.
 """
 
 from __future__ import annotations
