@@ -188,7 +188,7 @@ def report_so_far(folder: Path) -> str:
             mask=read_dataset(folder / "preprocess/mask.nc"),
             packing=read_dataset(folder / "preprocess/packing.nc"),
             benchmarks=sorted((folder / "benchmarks").rglob("*.tsv")),
-            estimates=read_digest(estimates) if estimates.is_file() else {},
+            estimates=read_digest(estimates) if estimates.is_file() else {"estimates": []},
             partial=_how_far(done, total),
         )
         page = build_report(scene, material, folder / FIGURES)
