@@ -189,7 +189,7 @@ def report_so_far(folder: Path) -> str:
             packing=read_dataset(folder / "preprocess/packing.nc"),
             benchmarks=sorted((folder / "benchmarks").rglob("*.tsv")),
             estimates=read_digest(estimates) if estimates.is_file() else {"estimates": []},
-            partial=_how_far(done, total),
+            partial=_how_far(done, total) if done < total else "",
         )
         page = build_report(scene, material, folder / FIGURES)
     write_text(page, folder / PAGE)
