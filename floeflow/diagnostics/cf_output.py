@@ -103,6 +103,9 @@ DESCRIPTIONS = {
     "lead_fraction": Described(
         "", "1", "share of the cell's sea that is open, in cells with at least 70 % ice", OF_SEA
     ),
+    "damage": Described(
+        "", "1", "share of the elements' outline, taken as of hexagons, that no bond holds", OF_ICE
+    ),
     "siu": Described(
         "sea_ice_x_velocity", "m s-1", "velocity of the ice along x, averaged over its mass", OF_ICE
     ),
@@ -319,7 +322,9 @@ def join_times(parts: Sequence[xr.Dataset]) -> xr.Dataset:
         combine_attrs="override",
     )  # fmt: skip
     for name in joined.variables:
-        joined[name].encoding = dict(parts[0][name].encoding)
+        # A window of an older program may lack a field.
+        first = next(part for part in parts if name in part.variables)
+        joined[name].encoding = dict(first[name].encoding)
     return joined
 
 

@@ -233,8 +233,12 @@ def assemble(
     grids: xr.Dataset,
     budgets: Sequence[Budget],
     seconds: xr.DataArray,
+    start: str,
 ) -> xr.Dataset:
-    """One dataset of it all, with units, and the residuals of each budget per window."""
+    """One dataset of it all, with units, and the residuals of each budget per window.
+
+    Times count from ``start`` (ISO 8601), in words that CF readers decode.
+    """
     data = xr.merge([samples, scalars, boundaries, grids], join="exact", compat="no_conflicts")
     for budget in budgets:
         dim = "grid" if budget.name.startswith("grid_") else "window"
@@ -248,6 +252,13 @@ def assemble(
     for name, (unit, text) in UNITS.items():
         if name in data:
             data[name].attrs = {"units": unit, "long_name": text}
+    for name in ("time", "boundary_time"):
+        data[name].attrs = {
+            "standard_name": "time",
+            "long_name": UNITS[name][1],
+            "units": f"seconds since {start.replace('T', ' ')}",
+            "calendar": "standard",
+        }
     return data
 
 
@@ -321,7 +332,8 @@ def diagnose(
     gridded = summarise_grid(files.grid) if files.grid else xr.Dataset()
     budgets = close_budgets(samples, scalars, boundaries, gridded, effects)
     seconds = cost_by_stage(costs, scalars["window"].values)
-    data = assemble(samples, scalars, boundaries, gridded, budgets, seconds)
+    start = str(first.attrs["start"])
+    data = assemble(samples, scalars, boundaries, gridded, budgets, seconds, start)
     stages = {str(name): float(seconds.sel(stage=name).sum()) for name in seconds["stage"].values}
     return data, {
         "headline": headline(samples, scalars, boundaries, costs),

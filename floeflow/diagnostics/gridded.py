@@ -22,6 +22,7 @@ from floeflow.diagnostics.cf_output import describe
 from floeflow.diagnostics.ice_fields import follow, ice_amounts, strain_rates
 from floeflow.scene import Scene
 from floeflow.state.schema import MOBILE
+from floeflow.state.snapshots import snapshot
 from floeflow.transfer import ROOM, Field, Grid, Room, build_remapper, build_room, carry, near_cells
 from floeflow.transfer.stencil import Array
 from floeflow.transfer.weights import CONDITION_LIMIT
@@ -128,6 +129,8 @@ def gridded_fields(
     FloeError
         Where the state holds values that cannot be.
     """
+    if "bond_id_lo" in state:
+        state = snapshot(state)
     mobile = state.isel(element=np.flatnonzero(state["type"].values == MOBILE))
     x, y, area = (mobile[name].values for name in ("x", "y", "area"))
     fraction, volume = (mobile[name].values.sum(axis=1) for name in ("ice_fraction", "ice_volume"))

@@ -14,12 +14,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core.constants import ICE_DENSITY
+from floeflow.state.snapshots import BONDED
 from floeflow.transfer import Field
 
 Array = NDArray[np.float64]
 
 # Cells with less ice than this are marginal: what is open there are no leads.
 PACK = 0.7
+# Outline of a regular hexagon over the root of its area.
+HEXAGON = float(np.sqrt(8.0 * np.sqrt(3.0)))
 
 
 def ice_amounts(mobile: xr.Dataset) -> tuple[list[Field], dict[str, Array]]:
@@ -50,6 +53,10 @@ def ice_amounts(mobile: xr.Dataset) -> tuple[list[Field], dict[str, Array]]:
         if "pond_area" in mobile:
             ponds = area * share * level * mobile["pond_area"].values
             amounts["pond_area"] = ponds.sum(axis=1)
+    if BONDED in mobile:
+        # The outline of a regular hexagon; elements differ from it, their means hardly.
+        amounts["outline"] = HEXAGON * np.sqrt(area[:, 0]) * (share.sum(axis=1) > 0)
+        amounts["bonded"] = mobile[BONDED].values * (share.sum(axis=1) > 0)
     fields = [Field(name, "extensive", "ice_area") for name in amounts]
     if "surface_temperature" in mobile:
         warmth = (share * mobile["surface_temperature"].values).sum(axis=1)
@@ -99,6 +106,12 @@ def follow(
             out=np.full(sea.shape, np.nan),
             where=there,
         )
+    if "outline" in found:
+        there = np.isfinite(per_ice) & (found["outline"] > 0.0)
+        held = np.divide(
+            found["bonded"], found["outline"], out=np.full(sea.shape, np.nan), where=there
+        )
+        fields["damage"] = np.clip(1.0 - held, 0.0, 1.0)
     if "pond_area" in found:
         fields["simpconc"] = np.clip(found["pond_area"] / per_ice, 0.0, 1.0)
     if "sitemptop" in found:

@@ -12,12 +12,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pyproj
 import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core.atomic_write import write_whole
 from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.core.errors import FloeError
+from floeflow.core.grids import to_lonlat
 from floeflow.diagnostics.collect import intact
 from floeflow.diagnostics.drift import (
     drift_distance,
@@ -104,6 +106,7 @@ def make_frames(states: Iterable[xr.Dataset]) -> xr.Dataset:
             "id": ("element", ids),
             "type": ("element", np.array([kinds[i] for i in ids.tolist()], dtype=np.int8)),
         },
+        attrs={name: str(first.attrs[name]) for name in ("start", "crs") if name in first.attrs},
     )
 
 
@@ -228,7 +231,8 @@ def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        drift_distance(time, element) in m, with id(element); mean_squared_displacement(lag) in m2
+        drift_distance(time, element) in m, with id(element), and where positions tell paths their
+        longitudes and latitudes, lon and lat(time, element); mean_squared_displacement(lag) in m2
         over lag (s); with bonds at the start relative_dispersion(time) in m2 of their pairs, on
         whether they still hold or not.
 
@@ -252,10 +256,17 @@ def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
                 {"units": "m", "long_name": "distance gone since the start"},
             ),
         },
-        coords={"time": ("time", time, {"units": "s"})},
+        coords={"time": ("time", time, _time_attributes(frames))},
     )
     if "drift_x" in frames:
         return data
+    if "crs" in frames.attrs:
+        lon, lat = to_lonlat(pyproj.CRS(frames.attrs["crs"]), x[:, mobile], y[:, mobile])
+        for name, values, word in (("lon", lon, "longitude"), ("lat", lat, "latitude")):
+            unit = "degrees_east" if name == "lon" else "degrees_north"
+            attrs = {"standard_name": word, "units": unit}
+            data[name] = (("time", "element"), values, attrs)
+        data["drift_distance"].attrs["coordinates"] = "lat lon"
     lag, msd = mean_squared_displacement(time, x[:, mobile], y[:, mobile])
     attrs = {"units": "m2", "long_name": "mean over elements and times of the same lag"}
     data["mean_squared_displacement"] = ("lag", msd, attrs)
@@ -267,3 +278,11 @@ def drift_statistics(frames: xr.Dataset) -> xr.Dataset:
         attrs = {"units": "m2", "long_name": text}
         data["relative_dispersion"] = ("time", relative_dispersion(x, y, pairs), attrs)
     return data
+
+
+def _time_attributes(frames: xr.Dataset) -> dict[str, str]:
+    """Units of the times, which CF readers decode where the start of the run is known."""
+    if "start" not in frames.attrs:
+        return {"units": "s"}
+    start = str(frames.attrs["start"]).replace("T", " ")
+    return {"standard_name": "time", "units": f"seconds since {start}", "calendar": "standard"}

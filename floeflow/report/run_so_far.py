@@ -188,8 +188,8 @@ def report_so_far(folder: Path) -> str:
             mask=read_dataset(folder / "preprocess/mask.nc"),
             packing=read_dataset(folder / "preprocess/packing.nc"),
             benchmarks=sorted((folder / "benchmarks").rglob("*.tsv")),
-            estimates=read_digest(estimates) if estimates.is_file() else {},
-            partial=_how_far(done, total),
+            estimates=read_digest(estimates) if estimates.is_file() else {"estimates": []},
+            partial=_how_far(done, total) if done < total else "",
         )
         page = build_report(scene, material, folder / FIGURES)
     write_text(page, folder / PAGE)

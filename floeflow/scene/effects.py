@@ -161,6 +161,7 @@ _REGISTERED = (
         source="Hopkins, Frankenstein & Thorndike 2004",
         plugin=("bonds",),
         state=_BOND_STATE,
+        output=("damage",),
         diagnostics=("intact_bonds",),
         rules=("bonds",),
         figures=("elements_bonds", "series_bonds"),

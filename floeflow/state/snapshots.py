@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Snapshots of the elements at window boundaries, many in one file.
 
-A snapshot is what maps, tracks and totals need of a state: the elements with their ice by category
-and their outlines, without layers, bonds and contacts. The number of elements changes between
-boundaries, so rows of all boundaries follow each other (CF: contiguous ragged arrays), counted by
-``element_count`` and ``corner_count``.
+A snapshot is what maps, tracks and totals need of a state: the elements with their ice by category,
+their outlines, and the length of these that bonds hold, without layers, bonds and contacts. The
+number of elements changes between boundaries, so rows of all boundaries follow each other (CF:
+contiguous ragged arrays), counted by ``element_count`` and ``corner_count``.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ RAGGED = ("element", "corner")
 MOMENT = ("window", "time", "ocean_area", "unclaimed_water")
 COMMON = ("schema_version", "scene", "effects", "start", "seed", "crs", "column_scheme")
 CHECKSUMS = "state_checksum"
+# What is kept of the bonds, which snapshots do not hold.
+BONDED = "bonded_length"
 
 
 def snapshot(state: xr.Dataset) -> xr.Dataset:
@@ -32,7 +34,22 @@ def snapshot(state: xr.Dataset) -> xr.Dataset:
         if variable.dims[:1] in (("element",), ("corner",))
         and set(variable.dims) <= {*RAGGED, "category"}
     ]
-    return state[kept]
+    if "bond_id_lo" not in state:
+        return state[kept]
+    said = {"units": "m", "long_name": "length of the outline that bonds hold"}
+    return state[kept].assign({BONDED: ("element", bonded_length(state), said)})
+
+
+def bonded_length(state: xr.Dataset) -> np.ndarray:
+    """Length of the glue lines that hold each element, less their cracks (m), (element,)."""
+    ids = state["id"].values
+    left = 1.0 - state["bond_crack_a"].values - state["bond_crack_b"].values
+    length = state["bond_length"].values * np.clip(left, 0.0, 1.0)
+    held = np.zeros(ids.size)
+    for end in ("lo", "hi"):
+        places = np.searchsorted(ids, state[f"bond_id_{end}"].values)
+        held += np.bincount(places, length, ids.size)[: ids.size]
+    return held
 
 
 def join_snapshots(snapshots: Sequence[xr.Dataset]) -> xr.Dataset:

@@ -45,7 +45,7 @@ SIMON = {
     "sishevel": (SHEAR, "s-1", ICE),
 }  # fmt: skip
 # Ours alone: CMIP6 has no name for it.
-OWN = {"lead_fraction"}
+OWN = {"lead_fraction", "damage"}
 
 
 def rich_state() -> xr.Dataset:
@@ -89,7 +89,8 @@ def test_names_units_and_methods_are_those_of_the_table(file: Path):
             found = data[name]
             assert (found.standard_name, found.units) == (standard_name, unit), name
             assert found.cell_methods == f"{mean} time: point", name
-        assert not hasattr(data["lead_fraction"], "standard_name")
+        for name in OWN & set(data.variables):
+            assert not hasattr(data[name], "standard_name")
 
 
 def test_everything_that_attributes_name_is_there(file: Path):
@@ -153,3 +154,15 @@ def test_fields_of_absent_effects_are_absent(tmp_path: Path):
         "siconc", "sithick", "sivol", "simass", "lead_fraction",
         "siu", "siv", "sispeed", "sidivvel", "sishevel",
     }  # fmt: skip
+
+
+def test_damage_is_the_outline_that_no_bond_holds(file: Path, tmp_path: Path):
+    """Half of each hexagon's outline is held."""
+    state = make_state()
+    half = 0.5 * np.sqrt(8.0 * np.sqrt(3.0)) * np.sqrt(state["area"].values)
+    state["bonded_length"] = ("element", half)
+    data = make_grid(scene_of(tmp_path, ALL), state, make_mask())
+    ice = data["sithick"].notnull().values
+    np.testing.assert_allclose(data["damage"].values[ice], 0.5, rtol=1e-9)
+    with xr.open_dataset(file) as unbonded:
+        assert "damage" not in unbonded

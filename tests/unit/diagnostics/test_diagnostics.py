@@ -289,3 +289,20 @@ def test_json_holds_null_for_what_is_not_finite(tmp_path: Path):
     write_json({"a": float("nan"), "b": [1.0, float("inf")]}, tmp_path / "x.json")
     assert json.loads((tmp_path / "x.json").read_text()) == {"a": None, "b": [1.0, None]}
     assert [path.name for path in tmp_path.iterdir()] == ["x.json"]
+
+
+def test_times_can_be_decoded(run: Run, tmp_path: Path):
+    data, _ = diagnose(run.files, run.scene.effects, run.scene.domain)
+    write_dataset(data, tmp_path / "diagnostics.nc")
+    with xr.open_dataset(tmp_path / "diagnostics.nc") as found:
+        assert found["boundary_time"].values[-1] == np.datetime64("1982-01-01T12:00:00")
+        assert found["time"].values[0] == np.datetime64("1981-12-31T00:00:00")
+
+
+def test_a_residual_larger_than_a_tenth_of_the_change_is_not_closed():
+    limits = Limits(2e-2, 1e-1)
+    assert verdict(5e-3, limits, 0.05) == "closed"
+    assert verdict(5e-3, limits, 1.7) == "fair"
+    # Round-off of a large turnover may exceed a change that is nearly none.
+    assert verdict(1e-14, limits, 1.7) == "closed"
+    assert verdict(0.5, limits, 0.0) == "open"

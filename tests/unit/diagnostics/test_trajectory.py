@@ -5,12 +5,13 @@ import warnings
 from types import SimpleNamespace
 
 import numpy as np
+import pyproj
 import pytest
 import xarray as xr
 
 from floeflow.core.errors import FloeError
 from floeflow.diagnostics.trajectory import drift_statistics, make_frames, make_universe, write_dump
-from floeflow.state import read_dataset, read_state, write_state
+from floeflow.state import read_dataset, read_state, write_dataset, write_state
 from support.scripts import load_script
 from support.synthetic import make_run, masses
 
@@ -190,6 +191,17 @@ def test_rule_reads_all_boundaries_of_all_chunks(run, frames, tmp_path):
     assert [moment.time for moment in universe.trajectory] == frames["time"].values.tolist()
     # Pairs of neighbours are those of the start, so no bond is needed after it.
     xr.testing.assert_allclose(read_dataset(snakemake.output.drift), drift_statistics(frames))
+
+
+def test_tracks_have_dates_and_places_on_the_earth(run, frames, tmp_path):
+    write_dataset(drift_statistics(frames), tmp_path / "drift.nc")
+    with xr.open_dataset(tmp_path / "drift.nc") as data:
+        assert data["time"].values[1] == np.datetime64("1981-12-31T12:00:00")
+        to_map = pyproj.Transformer.from_crs("EPSG:4326", run.scene.domain.crs, always_xy=True)
+        x, y = to_map.transform(data["lon"].values, data["lat"].values)
+        mobile = np.isin(frames["id"].values, data["id"].values)
+        np.testing.assert_allclose(x, frames["x"].values[:, mobile], atol=1e-3)
+        np.testing.assert_allclose(y, frames["y"].values[:, mobile], atol=1e-3)
 
 
 def test_rule_names_a_chunk_that_is_missing(tmp_path):
