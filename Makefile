@@ -30,7 +30,7 @@ year: ## run the Arctic for a year with every effect, and print where its report
 
 test: setup lint ## set up, then run lint and every test but the slow ones
 	ctest --test-dir build/liggghts_models --output-on-failure
-	.venv/bin/python -m pytest -m "not slow" tests
+	@setup/test.sh
 
 verification: setup ## compare with theory and references at length, draw docs/images/verification
 	.venv/bin/python -m pytest -m verification --figures tests/verification
