@@ -30,7 +30,7 @@ year: ## run the Arctic for a year with every effect, and print where its report
 
 test: setup lint ## set up, then run lint and every test but the slow ones
 	ctest --test-dir build/liggghts_models --output-on-failure
-	.venv/bin/python -m pytest -m "not slow and not browser" tests
+	@setup/test.sh
 
 test-browser: setup ## open a report in Chromium: quiet, offline, moved by keys; screenshots in results/browser
 	@setup/browser.sh

@@ -37,6 +37,21 @@ def shared() -> Path:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--figures", action="store_true", help="draw the figures in docs/images")
+    parser.addoption("--part", metavar="K/N", help="of N parts of the modules run only the K-th")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keep one part of the modules: dealt out in turn, so that all parts together are all."""
+    part = config.getoption("--part")
+    if not part:
+        return
+    number, of = map(int, part.split("/"))
+    if not 1 <= number <= of:
+        raise pytest.UsageError(f"--part {part}: there is no such part")
+    modules = list(dict.fromkeys(item.path for item in items))
+    kept = set(modules[number - 1 :: of])
+    config.hook.pytest_deselected(items=[item for item in items if item.path not in kept])
+    items[:] = [item for item in items if item.path in kept]
 
 
 @pytest.fixture

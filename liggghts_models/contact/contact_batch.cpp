@@ -94,7 +94,8 @@ FLOE_INLINE void evaluate_pack(const ContactTask &t, const int *numbers, int fir
   }
   ContactLossOf<P> loss;
   ContactForceOf<P> touch = contact_force<Terms::friction, Terms::ridging, damped, P>(
-      t.material, {h[2], h[3]}, pose, overlap, t.step, slip, loss, limit);
+      t.material, constants_at<Terms::law>(ContactConstantsOf<P>{h[2], h[3]}, overlap), pose,
+      overlap, t.step, slip, loss, limit);
   const auto idle = overlap <= none;
   const bool partial = any(idle) || count < Width;
   Load nowhere[Terms::exact_sums ? 2 : 1];
@@ -157,18 +158,22 @@ void evaluate_contacts(const ContactTask &task, int *touching, int count, Contac
   evaluate_all<Terms, Pack2, 2>(task, touching, count, sums);
 }
 
-#define FLOE_CONTACTS(friction, ridging, damping, exact)                            \
-  template void evaluate_contacts<ContactTerms<friction, ridging, damping, exact>>( \
-      const ContactTask &, int *, int, ContactSums &);
-#define FLOE_CONTACTS_DAMPED(damping)         \
-  FLOE_CONTACTS(false, false, damping, false) \
-  FLOE_CONTACTS(true, false, damping, false)  \
-  FLOE_CONTACTS(false, true, damping, false)  \
-  FLOE_CONTACTS(true, true, damping, false)   \
-  FLOE_CONTACTS(false, false, damping, true)  \
-  FLOE_CONTACTS(true, false, damping, true)   \
-  FLOE_CONTACTS(false, true, damping, true)   \
-  FLOE_CONTACTS(true, true, damping, true)
+#define FLOE_CONTACTS(...)                                                                    \
+  template void evaluate_contacts<ContactTerms<__VA_ARGS__>>(const ContactTask &, int *, int, \
+                                                             ContactSums &);
+#define FLOE_CONTACTS_DAMPED(damping)                            \
+  FLOE_CONTACTS(false, false, damping, false)                    \
+  FLOE_CONTACTS(true, false, damping, false)                     \
+  FLOE_CONTACTS(false, true, damping, false)                     \
+  FLOE_CONTACTS(true, true, damping, false)                      \
+  FLOE_CONTACTS(false, false, damping, true)                     \
+  FLOE_CONTACTS(true, false, damping, true)                      \
+  FLOE_CONTACTS(false, true, damping, true)                      \
+  FLOE_CONTACTS(true, true, damping, true)                       \
+  FLOE_CONTACTS(false, false, damping, false, ContactLaw::hertz) \
+  FLOE_CONTACTS(true, false, damping, false, ContactLaw::hertz)  \
+  FLOE_CONTACTS(false, false, damping, true, ContactLaw::hertz)  \
+  FLOE_CONTACTS(true, false, damping, true, ContactLaw::hertz)
 FLOE_CONTACTS_DAMPED(Damping::none)
 FLOE_CONTACTS_DAMPED(Damping::counted)
 FLOE_CONTACTS_DAMPED(Damping::exact)

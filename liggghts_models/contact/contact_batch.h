@@ -38,11 +38,13 @@ struct ContactTask {
 };
 
 // The terms of the law: what is off is not in the code. Exact loads take two rows each.
-template <bool WithFriction, bool WithRidging, Damping WithDamping, bool WithExactSums>
+template <bool WithFriction, bool WithRidging, Damping WithDamping, bool WithExactSums,
+          ContactLaw WithLaw = ContactLaw::linear>
 struct ContactTerms {
   static constexpr bool friction = WithFriction, ridging = WithRidging;
   static constexpr bool exact_sums = WithExactSums;
   static constexpr Damping damping = WithDamping;
+  static constexpr ContactLaw law = WithLaw;
 };
 
 // Adds forces of the contacts with these numbers to the loads and losses to the sums. `touching` has

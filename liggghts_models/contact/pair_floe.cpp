@@ -137,6 +137,10 @@ void PairFloe::evaluate_exactly_or_not() {
   ContactSums sums;
   choose_damping(contact.damping, exact_losses, [&](auto damping) {
     choose(friction, [&](auto with_friction) {
+      if (contact.law == ContactLaw::hertz) {
+        return loop_contacts<ContactTerms<with_friction, false, damping, Exact, ContactLaw::hertz>>(
+            sums);
+      }
       choose(ridging, [&](auto with_ridging) {
         loop_contacts<ContactTerms<with_friction, with_ridging, damping, Exact>>(sums);
       });

@@ -82,6 +82,8 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   bool touches(int i, int j) const;  // whether two elements may be in contact
   int lower(int i, int j) const;     // that of two elements which has the lower id
   double reduced_mass(int i, int j) const;
+  // Of a contact of two elements, lower id first, by the law that was chosen.
+  ContactConstants contact_of(int lo, int hi) const;
   // The records are no longer valid: LIGGGHTS' history holds from now on.
   void forget_records() { stale_ = true; }
   // The same after others than this class changed the history in LIGGGHTS' lists.

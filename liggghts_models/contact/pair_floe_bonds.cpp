@@ -20,8 +20,7 @@ void PairFloe::start_contact(int number) {
   Ends &ends = contacts_.ends[number];
   const int i = ends.i, j = ends.j(), lo = lower(i, j), hi = i + j - lo;
   ends.marked_j |= Ends::mark;
-  const ContactConstants c = contact_constants(contact, fix_->thickness[lo], fix_->thickness[hi],
-                                               reduced_mass(i, j), update->dt);
+  const ContactConstants c = contact_of(lo, hi);
   contacts_.rows[number] = {0.0, 0.0, c.stiffness, c.damping};
   if (!ridging) return;
   Ridge ridge{0.0, std::min(fix_->thickness[lo], fix_->thickness[hi]),

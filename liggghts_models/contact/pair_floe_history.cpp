@@ -11,6 +11,7 @@
 #include "neigh_list.h"
 #include "pair_floe.h"
 #include "pair_gran.h"
+#include "update.h"
 
 using namespace LAMMPS_NS;
 
@@ -31,6 +32,16 @@ double PairFloe::reduced_mass(int i, int j) const {
   if (atom->type[j] == FixFloeIntegrate::fixed_type) return mass[i];
   const int lo = lower(i, j), hi = i + j - lo;
   return mass[lo] * mass[hi] / (mass[lo] + mass[hi]);
+}
+
+ContactConstants PairFloe::contact_of(int lo, int hi) const {
+  const double reduced = reduced_mass(lo, hi);
+  if (contact.law == ContactLaw::linear) {
+    return contact_constants(contact, fix_->thickness[lo], fix_->thickness[hi], reduced,
+                             update->dt);
+  }
+  const double stiffness = hertz_stiffness(contact, atom->radius[lo], atom->radius[hi]);
+  return {stiffness, contact_damping(contact, stiffness, reduced, 0.0)};
 }
 
 BondConstants PairFloe::constants_of(const BondShape &shape, int i, int j) const {

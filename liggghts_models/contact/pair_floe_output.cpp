@@ -100,7 +100,8 @@ void PairFloe::each_pair(const std::function<void(const PairState &)> &visit) {
     PairState out{
         i, j, d, {}, 0.0, 0.0, 0.0, j < atom->nlocal ? 1.0 : 0.5, contacts_.places[k].history, -1};
     if (overlap > 0.0) {
-      const ContactConstants constants{row.stiffness, row.damping};
+      const ContactConstants constants =
+          constants_now(contact, {row.stiffness, row.damping}, overlap);
       const double limit = ridging ? contacts_.ridges[k].limit : 0.0;
       const ContactForce force =
           friction ? contact_now<true>(*this, constants, pose, overlap, row.slip, limit)
@@ -108,8 +109,7 @@ void PairFloe::each_pair(const std::function<void(const PairState &)> &visit) {
       out.f = force.f;
       out.torque_i = force.torque_one;
       out.torque_j = force.torque_two;
-      const double shear = friction ? contact.shear_ratio * row.slip * row.slip : 0.0;
-      out.energy = 0.5 * row.stiffness * (overlap * overlap + shear);
+      out.energy = contact_energy(contact, row.stiffness, overlap, friction ? row.slip : 0.0);
     }
     visit(out);
   }

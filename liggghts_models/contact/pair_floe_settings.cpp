@@ -85,6 +85,10 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
       const std::string law = ++k < narg ? arg[k] : "";
       if (law != "glue" && law != "parallel") fail("bond_law takes glue or parallel");
       parallel = law == "parallel";
+    } else if (key == "contact_law") {
+      const std::string law = ++k < narg ? arg[k] : "";
+      if (law != "linear" && law != "hertz") fail("contact_law takes linear or hertz");
+      contact.law = law == "hertz" ? ContactLaw::hertz : ContactLaw::linear;
     } else if (key == "shear_share")
       parallel_shear = number(key, true);
     else if (key == "deterministic")
@@ -134,6 +138,10 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   }
   if (poisson >= 0.5) fail("poisson must be below 0.5");
   if (reach < 1.0) fail("reach must be at least 1");
+  if (ridging && contact.law == ContactLaw::hertz) {
+    fail("ridging yes needs contact_law linear: ridges close by a spring of constant stiffness");
+  }
+  contact.poisson = poisson;
   // LIGGGHTS has thrown the style that was there away, with the history of all pairs.
   const auto *fix = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
   if (fix && fix->has_run()) {

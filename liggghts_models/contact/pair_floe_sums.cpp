@@ -51,13 +51,9 @@ PairSums PairFloe::sums(PairGran *pg) {
       const double distance = std::sqrt(d.x * d.x + d.y * d.y);
       const double overlap = atom->radius[lo] + atom->radius[hi] - distance - h[slot::rest_overlap];
       if (overlap <= 0.0) continue;
-      const double k = contact_stiffness(contact.young, fix_->thickness[lo], fix_->thickness[hi]);
       out.max_overlap = std::max(out.max_overlap, overlap);
-      out.elastic_contact += weight * 0.5 * k * overlap * overlap;
-      if (friction) {
-        out.elastic_contact +=
-            weight * 0.5 * contact.shear_ratio * k * h[slot::slip] * h[slot::slip];
-      }
+      out.elastic_contact += weight * contact_energy(contact, contact_of(lo, hi).stiffness, overlap,
+                                                     friction ? h[slot::slip] : 0.0);
     }
   }
   return out;

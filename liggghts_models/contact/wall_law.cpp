@@ -22,9 +22,10 @@ ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose
                       WallHistory &h) {
   const PairFloe &laws = *wall.laws;
   // All the spring is the element's ice, all the mass its own.
-  const double stiffness = wall.stiffness(i);
-  const ContactConstants constants{
-      stiffness, contact_damping(laws.contact, stiffness, mass, wall.fix->step_length())};
+  const double stiffness = wall.stiffness(i, pose.radius_one);
+  const bool hertz = laws.contact.law == ContactLaw::hertz;
+  const ContactConstants at_once{stiffness, contact_damping(laws.contact, stiffness, mass,
+                                                            hertz ? 0.0 : wall.fix->step_length())};
   const bool advance = step > 0.0;
   double rest = h.rest_overlap, slip = h.slip, limit = 0.0;
   double overlap =
@@ -57,6 +58,7 @@ ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose
     limit = builds ? laws.ridging_limit(h.ridge) : std::numeric_limits<double>::max();
   }
   ContactLoss loss;
+  const ContactConstants constants = constants_now(laws.contact, at_once, overlap);
   const ContactForce out = contact_force<Friction, Ridging>(laws.contact, constants, pose, overlap,
                                                             step, slip, loss, limit);
   if (advance) {
@@ -69,7 +71,10 @@ ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose
 
 }  // namespace
 
-double WallLaw::stiffness(int i) const { return laws->contact.young * fix->thickness[i]; }
+double WallLaw::stiffness(int i, double radius) const {
+  return laws->contact.law == ContactLaw::hertz ? hertz_wall_stiffness(laws->contact, radius)
+                                                : laws->contact.young * fix->thickness[i];
+}
 
 double WallLaw::overlap(const ContactPose &pose, const WallHistory &h) const {
   double rest = h.rest_overlap;
@@ -77,10 +82,8 @@ double WallLaw::overlap(const ContactPose &pose, const WallHistory &h) const {
 }
 
 double WallLaw::energy(int i, const ContactPose &pose, const WallHistory &h) const {
-  const double elastic = overlap(pose, h), k = stiffness(i);
-  if (!(elastic > 0.0)) return 0.0;
-  const double shear = laws->friction ? laws->contact.shear_ratio * h.slip * h.slip : 0.0;
-  return 0.5 * k * (elastic * elastic + shear);
+  return contact_energy(laws->contact, stiffness(i, pose.radius_one), overlap(pose, h),
+                        laws->friction ? h.slip : 0.0);
 }
 
 ContactForce WallLaw::force(int i, double mass, const ContactPose &pose, double step,

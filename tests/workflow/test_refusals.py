@@ -5,9 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from floeflow.workflow.scenes import Scenes
 from support.runner import Place
 
 pytestmark = pytest.mark.workflow
@@ -33,7 +35,29 @@ def refusal(place: Place, scene: Path) -> str:
     return said[0].removeprefix("floeflow: ")
 
 
-def test_a_scene_is_no_configfile_and_executes_nothing(place: Place):
+@pytest.fixture
+def said(
+    place: Place, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[[Path], str]:
+    """What the Snakefile's front door says of a scene, asked in this process."""
+    monkeypatch.chdir(place.folder)
+    run = SimpleNamespace(
+        is_main_process=True, basedir=".", output_settings=SimpleNamespace(dryrun=False)
+    )
+
+    def ask(scene: Path) -> str:
+        before = listing(place.folder)
+        with pytest.raises(SystemExit) as leave:
+            Scenes({"scene": str(scene)}, run)
+        error = capsys.readouterr().err
+        assert leave.value.code == 1 and error.startswith("floeflow: ") and error.count("\n") == 1
+        assert listing(place.folder) == before
+        return error.removeprefix("floeflow: ")
+
+    return ask
+
+
+def test_a_scene_is_no_configfile_and_executes_nothing(place: Place, said: Callable[[Path], str]):
     # As a Snakemake configfile this would run: those are templates with Python in them.
     scene = place.folder / "evil.yaml"
     scene.write_text(
@@ -43,32 +67,31 @@ def test_a_scene_is_no_configfile_and_executes_nothing(place: Place):
     )
     assert "evil.yaml: line 3: could not determine a constructor" in refusal(place, scene)
     scene.write_text("__use_yte__: true\nx: ?__import__('os').system('touch witness')\n")
-    assert "evil.yaml" in refusal(place, scene)
+    assert "evil.yaml" in said(scene)
     scene.write_text('__use_yte__: true\n\'?__import__("os").system("touch witness")\': 1\n')
-    assert "is no key of a scene" in refusal(place, scene)
+    assert "is no key of a scene" in said(scene)
     assert not list(place.folder.rglob("witness"))
 
 
-def test_a_scene_s_faults_stop_the_run_before_any_job(place: Place):
+def test_a_scene_s_faults_stop_the_run_before_any_job(place: Place, said: Callable[[Path], str]):
     wrong = place.scene(dynamics={"yong_modulus": 1.0})
     assert "did you mean 'young_modulus'?" in refusal(place, wrong)
     missing = place.folder / "none.yaml"
-    assert "none.yaml: the scene cannot be read" in refusal(place, missing)
+    assert "none.yaml: the scene cannot be read" in said(missing)
     path = place.folder / "up.yaml"
     path.write_text("name: ../../up\n")
-    assert "is no plain name" in refusal(place, path)
+    assert "is no plain name" in said(path)
 
 
-def test_missing_and_broken_inputs_are_named_before_any_job(place: Place):
-    said = refusal(place, place.scene(mask={"file": "data/none.nc"}))
-    assert "data/none.nc" in said
+def test_missing_and_broken_inputs_are_named_before_any_job(
+    place: Place, said: Callable[[Path], str]
+):
+    assert "data/none.nc" in said(place.scene(mask={"file": "data/none.nc"}))
     (place.folder / "broken.nc").write_bytes(b"CDF\x01 is not all of it")
-    said = refusal(place, place.scene(mask={"file": "broken.nc"}))
-    assert "broken.nc" in said
-    said = refusal(place, place.scene(mask={"concentration": "icee"}))
-    assert "icee" in said and "'ice'" in said
-    said = refusal(place, place.scene(forcing={"source": "file", "file": "wind.nc"}))
-    assert "wind.nc" in said
+    assert "broken.nc" in refusal(place, place.scene(mask={"file": "broken.nc"}))
+    words = said(place.scene(mask={"concentration": "icee"}))
+    assert "icee" in words and "'ice'" in words
+    assert "wind.nc" in said(place.scene(forcing={"source": "file", "file": "wind.nc"}))
 
 
 def test_an_unknown_configuration_value_is_refused(place: Place):
