@@ -26,7 +26,7 @@ from floeflow.analysis.studies.plans import study_variants
 from floeflow.analysis.studies.variants import variant_scene
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
-from floeflow.core.lock import claim_scene, clear_stale_locks
+from floeflow.core.lock import claim_scene, clear_stale_locks, join_run
 from floeflow.core.meshes import check_mesh_file
 from floeflow.core.plugin import plugin_path
 from floeflow.scene import Scene
@@ -159,6 +159,8 @@ class Scenes:
 
     def _read(self, name: str) -> Run:
         folder = RESULTS / name
+        # Held until the job ends, and asked for before Snakemake removes what the job is to write.
+        join_run(folder)
         scene = read_resolved(folder / "scene.yaml")
         try:
             chosen = json.loads((folder / "resolved.json").read_text())
