@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
-.PHONY: help setup run year test verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench studies doctor test-fresh lock clean
+.PHONY: help setup run year test setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -30,7 +30,18 @@ year: ## run the Arctic for a year with every effect, and print where its report
 
 test: setup lint ## set up, then run lint and every test but the slow ones
 	ctest --test-dir build/liggghts_models --output-on-failure
-	.venv/bin/python -m pytest -m "not slow" tests
+	.venv/bin/python -m pytest -m "not slow and not cluster" tests
+
+setup-cluster: setup ## install Snakemake's plugins for clusters (docs/how-to/cluster.md)
+	@setup/cluster.sh
+
+test-cluster: setup ## run the workflow on a private Slurm, which this installs where it may
+	@setup/cluster.sh --slurm
+	.venv/bin/python -m pytest -m cluster tests/cluster
+
+slurm-demo: setup ## run `smoke` through both cluster profiles on a private Slurm (as root)
+	@setup/cluster.sh --slurm
+	@setup/slurm_demo.sh
 
 verification: setup ## compare with theory and references at length, draw docs/images/verification
 	.venv/bin/python -m pytest -m verification --figures tests/verification

@@ -102,10 +102,6 @@ CONF
             >"$D/bin/$command"
         chmod 755 "$D/bin/$command"
     done
-    # Without accounting there is no sacct to ask: the plugin would take the distribution's program
-    # for one that works.
-    printf '#!/bin/sh\necho "no accounting here" >&2\nexit 1\n' >"$D/bin/sacct"
-    chmod 755 "$D/bin/sacct"
     cat >"$D/env.sh" <<ENV
 case ":\$PATH:" in *":$D/bin:"*) ;; *) export PATH=$D/bin:\$PATH ;; esac
 export SLURM_CONF=$D/slurm.conf

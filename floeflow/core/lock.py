@@ -8,7 +8,7 @@ therefore waits until no job of an earlier, killed workflow holds the second loc
 
 A job that waits in a cluster's queue can hold no lock. Each workflow therefore has an id: it is
 written to ``results/<scene>/.run`` and travels in the environment of its jobs. A job compares the
-two under the jobs' lock before it writes anything: one that was left behind in the queue ends there.
+two under the jobs' lock before it writes anything: one left behind in the queue ends there.
 """
 
 from __future__ import annotations
@@ -102,8 +102,8 @@ def join_run(folder: Path) -> int:
     if wanted and mine != wanted:
         os.close(jobs)
         raise FloeError(
-            f"{folder}: this job is of an earlier run ({mine or 'without an id'}), the scene is now "
-            f"held by {wanted}; nothing was written"
+            f"{folder}: this job is of an earlier run ({mine or 'without an id'}) and the scene is "
+            f"now that of {wanted}; nothing was written"
         )
     _sign(jobs)
     return jobs

@@ -17,9 +17,7 @@ from floeflow.coupling.progress import show_progress
 from floeflow.scene import Scene
 
 
-def run_ranks(
-    job: Job, ranks: int, log: Path, launcher: tuple[str, ...] = ("mpirun",)
-) -> None:
+def run_ranks(job: Job, ranks: int, log: Path, launcher: tuple[str, ...] = ("mpirun",)) -> None:
     """Advance a job's windows on so many ranks.
 
     Parameters

@@ -160,6 +160,11 @@ def ranks_asked(wildcards):
     return job_ranks(SCENES.scene(wildcards.scene))
 
 
+def launcher_asked(wildcards):
+    """What starts these ranks on a cluster: FLOEFLOW_MPI; nothing on one machine."""
+    return SCENES.launcher()
+
+
 def windows_asked(wildcards):
     """Number of windows that a job works on: those of its chunk, else all."""
     run = SCENES.run(wildcards.scene)

@@ -23,6 +23,7 @@ rule windows:
         chunk=r"[0-9]*[1-9][0-9]*",
     threads: 2
     resources:
+        mpi=launcher_asked,
         tasks=ranks_asked,
         mem_mb=memory_asked("windows"),
         mem_mb_per_cpu=memory_of_a_rank,

@@ -2,8 +2,8 @@
 """What a job asks of a cluster: ranks, memory and time, from the keys of its scene alone.
 
 Every job asks, so no file is read: the ice is taken to fill the domain densely. Memory was measured
-rule by rule (docs/how-to/cluster.md); time is the cost model's with a margin for slower machines and
-for what the model does not know. A job that comes again asks for twice as much.
+rule by rule; time is the cost model's with a margin for slower machines and for what the model does
+not know. A job that comes again asks for twice as much.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from floeflow.analysis.estimate.cost import Sizes, coefficients, sizes, stage_se
 if TYPE_CHECKING:
     from floeflow.scene import Scene
 
-# Fewer elements leave a rank waiting for its neighbours; more ranks than this are asked for by hand.
+# With fewer elements a rank waits for its neighbours; more ranks than these are asked by hand.
 ELEMENTS_A_RANK, MOST_RANKS = 2500, 64
 # A program without elements and the Snakemake around it; a rank without elements. MB.
 PROGRAM_MB, RANK_MB = 700, 350
@@ -127,9 +127,7 @@ def job_memory(scene: Scene, rule: str, ranks: int = 0, attempt: int = 1) -> int
     return 2 ** (attempt - 1) * 50 * math.ceil(whole / 50)
 
 
-def job_minutes(
-    scene: Scene, rule: str, windows: int = 0, ranks: int = 1, attempt: int = 1
-) -> int:
+def job_minutes(scene: Scene, rule: str, windows: int = 0, ranks: int = 1, attempt: int = 1) -> int:
     """Time limit of a job, minutes.
 
     Parameters
