@@ -22,8 +22,7 @@ action=${1:-} D=${2:-}
 stop() {
     local id ids=()
     [[ -f $D/env.sh ]] || return 0
-    # shellcheck source=/dev/null
-    (source "$D/env.sh" && timeout 10 scancel --state=PENDING,RUNNING --user="$(id -un)") >/dev/null 2>&1 || true
+    cancel_jobs >/dev/null 2>&1 || true
     for pid_file in "$D"/run/*.pid; do
         id=$(cat "$pid_file" 2>/dev/null) || continue
         if tr '\0' ' ' <"/proc/$id/cmdline" 2>/dev/null | grep -qF -- "$D"; then
@@ -40,6 +39,19 @@ stop() {
     done
     rm -f "$D"/run/*.pid
 }
+
+# Jobs go before the daemons, which end those that do not listen: ranks that were left behind share
+# memory by the number of their job, with those of the next private Slurm.
+cancel_jobs() (
+    # shellcheck source=/dev/null
+    source "$D/env.sh"
+    timeout 10 scancel --user="$(id -un)" --state=PENDING
+    timeout 10 scancel --user="$(id -un)"
+    for _ in $(seq 100); do
+        [[ -n $(timeout 5 squeue --noheader) ]] || break
+        sleep 0.1
+    done
+)
 
 free_ports() { # how many
     python3 - "$1" <<'PY'
@@ -82,8 +94,9 @@ SelectTypeParameters=CR_CPU_Memory
 SchedulerType=sched/builtin
 SchedulerParameters=batch_sched_delay=0,sched_interval=2
 SwitchType=switch/none
+FirstJobId=$((RANDOM * 30 + 1))
 MpiDefault=none
-ReturnToService=2
+ReturnToService=1
 SlurmdTimeout=300
 MinJobAge=3600
 InactiveLimit=0

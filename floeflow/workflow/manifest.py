@@ -27,8 +27,10 @@ from floeflow.workflow.library import PACKAGES, library_digest
 
 MANIFEST = "manifest.json"
 # Whose versions may change a number.
-LIBRARIES = ("floeflow", "snakemake", "numpy", "scipy", "numba", "xarray", "netCDF4", "pyproj")
-LIBRARIES += ("shapely", "mpi4py")
+LIBRARIES = (
+    *("floeflow", "snakemake", "numpy", "scipy", "numba"),
+    *("xarray", "netCDF4", "pyproj", "shapely", "mpi4py"),
+)
 
 
 def input_files(scene: Scene) -> list[str]:

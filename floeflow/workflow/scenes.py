@@ -37,6 +37,7 @@ from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
 from floeflow.workflow.input_guard import check_inputs
 from floeflow.workflow.manifest import write_manifest
+from floeflow.workflow.partitions import partition_minutes, within
 
 DEFAULT_SCENE = "config/scenes/arctic_1981.yaml"
 SHIPPED = Path("config/scenes")
@@ -101,6 +102,7 @@ class Scenes:
         self._passed: set[str] = set()
         self._hashes: dict[tuple[str, str], str] = {}
         self._files: dict[str, str | list[str]] = {}
+        self._limits: dict[str, int | None] = {}
         self._main = bool(workflow.is_main_process)
         self._workflow = workflow
         looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
@@ -130,6 +132,17 @@ class Scenes:
         elif self._main:
             os.environ.setdefault(MPI_VARIABLE, DEFAULT_MPI)
         return os.environ.get(MPI_VARIABLE, "")
+
+    def within_limits(self, minutes: int, rule: str) -> int:
+        """Time that a job may ask for: on a cluster, what its partition allows."""
+        if not self._main or self._workflow.local_exec:
+            return minutes
+        if not self._limits:
+            self._limits["partition"] = partition_minutes(sys.argv)
+        if rule not in self._limits:
+            self._limits[rule] = minutes
+            return within(minutes, self._limits["partition"], rule)
+        return min(minutes, self._limits["partition"] or minutes)
 
     def run(self, name: str) -> Run:
         """The run of a scene's name."""

@@ -196,7 +196,8 @@ def minutes_asked(rule):
     def minutes(wildcards, attempt):
         scene = SCENES.scene(wildcards.scene)
         ranks = job_ranks(scene) if rule == "windows" else 1
-        return job_minutes(scene, rule, windows_asked(wildcards), ranks, attempt)
+        asked = job_minutes(scene, rule, windows_asked(wildcards), ranks, attempt)
+        return SCENES.within_limits(asked, rule)
 
     return minutes
 
