@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
-.PHONY: help setup run year test test-browser verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
+.PHONY: help setup run year test test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -35,6 +35,17 @@ test: setup lint ## set up, then run lint and every test but the slow ones
 test-browser: setup ## open a report in Chromium: quiet, offline, moved by keys; screenshots in results/browser
 	@setup/browser.sh
 	.venv/bin/python -m pytest -m browser tests/browser
+
+setup-cluster: setup ## install Snakemake's plugins for clusters (docs/how-to/cluster.md)
+	@setup/cluster.sh
+
+test-cluster: setup ## run the workflow on a private Slurm, which this installs where it may
+	@setup/cluster.sh --slurm
+	.venv/bin/python -m pytest -m cluster tests/cluster
+
+slurm-demo: setup ## run `smoke` through both cluster profiles on a private Slurm (as root)
+	@setup/cluster.sh --slurm
+	@setup/slurm_demo.sh
 
 verification: setup ## compare with theory and references at length, draw docs/images/verification
 	.venv/bin/python -m pytest -m verification --figures tests/verification

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from floeflow.coupling.chunk import Chunk, run_chunk
 from floeflow.coupling.launch import warn_of_step
-from floeflow.workflow.job import Snakemake, run_script, scene_folder, scene_of
+from floeflow.workflow.job import Snakemake, launcher_of, run_script, scene_folder, scene_of
 
 
 def main(snakemake: Snakemake) -> None:
@@ -15,13 +15,15 @@ def main(snakemake: Snakemake) -> None:
     warn_of_step(scene)
     # The ranks inherit it.
     os.environ["FLOEFLOW_PLUGIN"] = str(Path(snakemake.input.plugin).resolve())
+    launcher, ranks = launcher_of(snakemake)
     chunk = Chunk(
         scene=scene,
         folder=scene_folder(snakemake),
         windows=tuple(snakemake.params.windows),
         state=Path(snakemake.input.state),
         plugin=Path(snakemake.input.plugin),
-        ranks=snakemake.threads,
+        ranks=ranks,
+        launcher=launcher,
         cells=Path(str(snakemake.input.cells)) if snakemake.input.cells else None,
         library=snakemake.params.library,
         mask=Path(str(snakemake.input.mask)) if snakemake.input.mask else None,

@@ -3,30 +3,54 @@
 
 A workflow holds ``results/<scene>/.lock`` alone; its jobs share ``results/<scene>/.jobs.lock``.
 Snakemake closes all file descriptors of its children, so they cannot inherit its lock; a workflow
-therefore also asks whether a job of an earlier, killed workflow still holds the second lock. Locks
-are ``flock`` locks: the kernel drops them with the process, however it dies, so none is ever stale.
+therefore waits until no job of an earlier, killed workflow holds the second lock. Locks are
+``flock`` locks: the kernel drops them with the process, however it dies, so none is ever stale.
+
+A job that waits in a cluster's queue can hold no lock. Each workflow therefore has an id: it is
+written to ``results/<scene>/.run`` and travels in the environment of its jobs. A job compares the
+two under the jobs' lock before it writes anything: one left behind in the queue ends there.
 """
 
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
+import functools
 import os
+import socket
+import subprocess
+import sys
+import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
+from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 
-RUN_LOCK, JOB_LOCK = ".lock", ".jobs.lock"
+RUN_LOCK, JOB_LOCK, RUN_ID = ".lock", ".jobs.lock", ".run"
+# Carries the id of a workflow to its jobs.
+RUN_VARIABLE = "FLOEFLOW_RUN"
+NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
+
+
+@functools.cache
+def run_id() -> str:
+    """Id of this workflow, the same for all its scenes."""
+    return f"{socket.gethostname()}-{os.getpid()}-{uuid.uuid4().hex}"
 
 
 def claim_scene(folder: Path) -> int:
     """Take a scene's run lock for the life of this process; return its file descriptor.
 
+    Waits, with a sentence on standard error, for jobs that outlived an earlier workflow. Those that
+    have not begun end when they do, as the scene has the id of this workflow from now on.
+
     Raises
     ------
     FloeError
-        Where another workflow, or a job that outlived one, holds the scene; names the process.
+        Where another workflow holds the scene; names the process. Where the file system has no
+        locks.
     """
     folder.mkdir(parents=True, exist_ok=True)
     run = _open(folder / RUN_LOCK)
@@ -34,28 +58,61 @@ def claim_scene(folder: Path) -> int:
         pid = _owner(run)
         os.close(run)
         raise FloeError(f"{folder}: another run holds this scene (process {pid}); nothing was done")
-    jobs = _open(folder / JOB_LOCK)
-    free = _try(jobs, fcntl.LOCK_EX)
-    pid = _owner(jobs)
-    os.close(jobs)
-    if not free:
-        os.close(run)
-        raise FloeError(
-            f"{folder}: a job of an earlier run still writes this scene (process {pid}); wait for "
-            "it or end it, then run the same command again"
-        )
+    _probe(folder / RUN_LOCK)
     _sign(run)
+    # Before the wait: what starts after this line is refused, what runs already is waited for.
+    write_text(f"{run_id()}\n", folder / RUN_ID)
+    os.environ[RUN_VARIABLE] = run_id()
+    jobs = _open(folder / JOB_LOCK)
+    if not _try(jobs, fcntl.LOCK_EX):
+        print(
+            f"floeflow: {folder}: a job of an earlier run still writes this scene (process "
+            f"{_owner(jobs)}); waiting until it ends",
+            file=sys.stderr,
+            flush=True,
+        )
+        fcntl.flock(jobs, fcntl.LOCK_EX)
+    os.close(jobs)
     return run
 
 
-@contextlib.contextmanager
-def hold_job(folder: Path) -> Iterator[int]:
-    """Share a scene's job lock; yields the descriptor, for children to inherit."""
+def join_run(folder: Path) -> int:
+    """Share the job lock of a scene; return its file descriptor.
+
+    Parameters
+    ----------
+    folder : Path
+        ``results/<scene>``; a variant ``<scene>+...`` is written under the lock of its base scene.
+
+    Raises
+    ------
+    FloeError
+        Where the scene has gone over to another workflow than the one that this job is of.
+    """
+    folder = folder.with_name(folder.name.partition("+")[0])
     folder.mkdir(parents=True, exist_ok=True)
     jobs = _open(folder / JOB_LOCK)
     # Blocks only for the moment in which a workflow asks whether jobs are left.
     fcntl.flock(jobs, fcntl.LOCK_SH)
+    try:
+        wanted = (folder / RUN_ID).read_text(encoding="utf-8").strip()
+    except FileNotFoundError:
+        wanted = ""
+    mine = os.environ.get(RUN_VARIABLE, "")
+    if wanted and mine != wanted:
+        os.close(jobs)
+        raise FloeError(
+            f"{folder}: this job is of an earlier run ({mine or 'without an id'}) and the scene is "
+            f"now that of {wanted}; nothing was written"
+        )
     _sign(jobs)
+    return jobs
+
+
+@contextlib.contextmanager
+def hold_job(folder: Path) -> Iterator[int]:
+    """Share a scene's job lock, see `join_run`; yields the descriptor, for children to inherit."""
+    jobs = join_run(folder)
     try:
         yield jobs
     finally:
@@ -117,13 +174,41 @@ def _try(handle: int, mode: int) -> bool:
         fcntl.flock(handle, mode | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
+    except OSError as error:
+        if error.errno not in NO_LOCKS:
+            raise
+        raise FloeError(
+            f"the file system of {os.readlink(f'/proc/self/fd/{handle}')} has no locks (flock: "
+            f"{error.strerror}): run where it has, or mount it with them (docs/how-to/cluster.md)"
+        ) from None
     return True
+
+
+def _probe(path: Path) -> None:
+    """Refuse a file system on which another process does not see this one's lock."""
+    try:
+        done = subprocess.run(["flock", "--nonblock", str(path), "true"], check=False)
+    except OSError:
+        return
+    if done.returncode == 0:
+        raise FloeError(
+            f"{path}: locks of this file system are not seen by other processes: run where they "
+            "are, or mount it with them (docs/how-to/cluster.md)"
+        )
 
 
 def _sign(handle: int) -> None:
     os.ftruncate(handle, 0)
-    os.pwrite(handle, f"{os.getpid()}\n".encode(), 0)
+    job = os.environ.get("SLURM_JOB_ID", "")
+    text = f"{os.getpid()} {socket.gethostname()} {job}".strip()
+    os.pwrite(handle, f"{text}\n".encode(), 0)
 
 
 def _owner(handle: int) -> str:
-    return os.pread(handle, 32, 0).decode(errors="replace").strip() or "unknown"
+    """The process that signed a lock file, with its host and its job in the queue where it has."""
+    words = os.pread(handle, 512, 0).decode(errors="replace").split()
+    if not words:
+        return "unknown"
+    pid, host, job = [*words, "", ""][:3]
+    where = f" on {host}" if host and host != socket.gethostname() else ""
+    return f"{pid}{where}{f', Slurm job {job}' if job else ''}"

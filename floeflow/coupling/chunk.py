@@ -52,6 +52,8 @@ class Chunk:
         Digest of the code that makes the windows.
     mask : Path or None
         The mask, in which the sea is, of a scene with a mixed layer or rims.
+    launcher : tuple of str
+        Words that start an MPI program.
     """
 
     scene: Scene
@@ -63,6 +65,7 @@ class Chunk:
     cells: Path | None = None
     library: str = ""
     mask: Path | None = None
+    launcher: tuple[str, ...] = ("mpirun",)
 
     @property
     def name(self) -> str:
@@ -122,7 +125,8 @@ def run_chunk(chunk: Chunk) -> int:
                 cells=str(chunk.cells or ""),
                 mask=str(chunk.mask or ""),
             )
-            run_ranks(job, chunk.ranks, chunk.folder / "log/windows" / f"{chunk.name}.ranks.log")
+            log = chunk.folder / "log/windows" / f"{chunk.name}.ranks.log"
+            run_ranks(job, chunk.ranks, log, chunk.launcher)
         publish(chunk)
     return len(todo)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import sys
 import time
 import traceback
@@ -24,7 +25,7 @@ from mpi4py import MPI
 
 from floeflow.core.collective import leave, on_root
 from floeflow.core.errors import FloeError
-from floeflow.core.lock import hold_job
+from floeflow.core.lock import join_run
 from floeflow.core.records import Record, write_records
 from floeflow.coupling import resume
 from floeflow.coupling.columns import advance_columns, settle_open_ice, totals
@@ -285,8 +286,12 @@ def march(comm: MPI.Comm, job: Job) -> None:
     """Advance a job's windows and write each to the work folder."""
     folder = Path(job.folder)
     # Ranks may outlive the rule that started them; the next run sees them by this lock.
-    with hold_job(folder):
+    lock = on_root(comm, join_run, folder)
+    try:
         _march(comm, job, folder)
+    finally:
+        if comm.rank == 0:
+            os.close(lock)
 
 
 def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:

@@ -17,7 +17,7 @@ from floeflow.coupling.progress import show_progress
 from floeflow.scene import Scene
 
 
-def run_ranks(job: Job, ranks: int, log: Path) -> None:
+def run_ranks(job: Job, ranks: int, log: Path, launcher: tuple[str, ...] = ("mpirun",)) -> None:
     """Advance a job's windows on so many ranks.
 
     Parameters
@@ -28,20 +28,16 @@ def run_ranks(job: Job, ranks: int, log: Path) -> None:
         Number of MPI ranks.
     log : Path
         Gets what the ranks say on standard error.
+    launcher : tuple of str
+        Words that start an MPI program, such as ``srun --mpi=pmix``.
 
     Raises
     ------
     FloeError
         The sentence of the rank at fault, or the tail of its logs.
     """
-    command = [
-        "mpirun",
-        "-n",
-        str(ranks),
-        sys.executable,
-        "-m",
-        "floeflow.coupling.coupled_windows",
-    ]
+    program = [sys.executable, "-m", "floeflow.coupling.coupled_windows"]
+    command = [*launcher, "-n", str(ranks), *program]
     log.parent.mkdir(parents=True, exist_ok=True)
     fault = ""
     with open(log, "w") as errors, show_progress(job.windows[job.done :]) as show:
@@ -55,7 +51,7 @@ def run_ranks(job: Job, ranks: int, log: Path) -> None:
                 text=True,
             )
         except OSError as error:
-            raise FloeError(f"mpirun cannot be started: {error.strerror}") from None
+            raise FloeError(f"{launcher[0]} cannot be started: {error.strerror}") from None
         with ranks_process:
             assert ranks_process.stdin is not None and ranks_process.stdout is not None
             ranks_process.stdin.write(job.to_json() + "\n")

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import logging
 import os
+import shlex
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -33,6 +34,7 @@ class Snakemake(Protocol):
     config: Any
     wildcards: Any
     threads: int
+    resources: Any
     rule: str
 
 
@@ -43,7 +45,7 @@ def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
     form = "%(asctime)s %(name)s %(levelname)s %(message)s"
     logging.basicConfig(filename=log, filemode="w", level=logging.INFO, format=form)
     try:
-        with hold_job(lock_folder(snakemake)):
+        with hold_job(scene_folder(snakemake)):
             main(snakemake)
         _keep_cost(snakemake)
     except FloeError as error:
@@ -71,13 +73,19 @@ def scene_of(snakemake: Snakemake) -> Scene:
     return read_resolved(snakemake.input.scene)
 
 
+def launcher_of(snakemake: Snakemake) -> tuple[tuple[str, ...], int]:
+    """Words that start MPI programs, and the number of ranks.
+
+    On one machine that is ``mpirun`` with the rule's threads. On a cluster the profile sets the
+    resource ``mpi``, and the ranks are the job's ``tasks``, which may lie on several nodes.
+    """
+    mpi = str(snakemake.resources.get("mpi") or "")
+    if mpi:
+        return tuple(shlex.split(mpi)), int(snakemake.resources.get("tasks"))
+    return ("mpirun",), snakemake.threads
+
+
 def scene_folder(snakemake: Snakemake) -> Path:
     """``results/<scene>`` of the running stage; the folder of its output where it has no scene."""
     name = getattr(snakemake.wildcards, "scene", None)
     return Path("results") / str(name) if name else Path(str(snakemake.output[0])).parent
-
-
-def lock_folder(snakemake: Snakemake) -> Path:
-    """Folder of the lock that the job holds: a variant is written under its base scene's lock."""
-    folder = scene_folder(snakemake)
-    return folder.with_name(folder.name.partition("+")[0])

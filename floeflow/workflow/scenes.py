@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import sys
 import tempfile
 import traceback
@@ -26,7 +27,7 @@ from floeflow.analysis.studies.plans import study_variants
 from floeflow.analysis.studies.variants import variant_scene
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
-from floeflow.core.lock import claim_scene, clear_stale_locks
+from floeflow.core.lock import claim_scene, clear_stale_locks, join_run
 from floeflow.core.meshes import check_mesh_file
 from floeflow.core.plugin import plugin_path
 from floeflow.scene import Scene
@@ -35,10 +36,14 @@ from floeflow.scene.hashes import chain_hash, stage_hash
 from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
 from floeflow.workflow.input_guard import check_inputs
+from floeflow.workflow.manifest import write_manifest
+from floeflow.workflow.partitions import partition_minutes, within
 
 DEFAULT_SCENE = "config/scenes/arctic_1981.yaml"
 SHIPPED = Path("config/scenes")
 CONFIG_KEYS = ("scene",)
+# Says what starts MPI programs in a cluster's job; goes from the workflow to its jobs.
+MPI_VARIABLE, DEFAULT_MPI = "FLOEFLOW_MPI", "srun --mpi=pmix"
 # Ways to call Snakemake that only look.
 LOOKING = {"--lint", "-l", "--summary", "-S", "--detailed-summary", "-D", "--dag", "--rulegraph"}
 LOOKING |= {"--filegraph", "--d3dag", "--list-rules", "--list", "--list-target-rules", "--lt"}
@@ -97,7 +102,9 @@ class Scenes:
         self._passed: set[str] = set()
         self._hashes: dict[tuple[str, str], str] = {}
         self._files: dict[str, str | list[str]] = {}
+        self._limits: dict[str, int | None] = {}
         self._main = bool(workflow.is_main_process)
+        self._workflow = workflow
         looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
         self._writes = self._main and not (workflow.output_settings.dryrun or looking)
         with refused_in_a_sentence("the scene"):
@@ -114,6 +121,28 @@ class Scenes:
     def plugin(self) -> str:
         """Path of the LIGGGHTS plugin."""
         return str(self._plugin)
+
+    def launcher(self) -> str:
+        """What starts the ranks of a cluster's job; empty on one machine, where it is mpirun.
+
+        To be asked for when jobs are made: Snakemake knows its executor only then.
+        """
+        if self._main and self._workflow.local_exec:
+            os.environ.pop(MPI_VARIABLE, None)
+        elif self._main:
+            os.environ.setdefault(MPI_VARIABLE, DEFAULT_MPI)
+        return os.environ.get(MPI_VARIABLE, "")
+
+    def within_limits(self, minutes: int, rule: str) -> int:
+        """Time that a job may ask for: on a cluster, what its partition allows."""
+        if not self._main or self._workflow.local_exec:
+            return minutes
+        if not self._limits:
+            self._limits["partition"] = partition_minutes(sys.argv)
+        if rule not in self._limits:
+            self._limits[rule] = minutes
+            return within(minutes, self._limits["partition"], rule)
+        return min(minutes, self._limits["partition"] or minutes)
 
     def run(self, name: str) -> Run:
         """The run of a scene's name."""
@@ -153,12 +182,26 @@ class Scenes:
         return self._files[name]
 
     def closing_line(self) -> str:
-        """Say where the report of the default scene lies, or that there is none yet."""
+        """Say where the report of the default scene lies, or that there is none yet.
+
+        A finished run gets its manifest here.
+        """
         report = RESULTS / self.default / "report.html"
+        run = self.run(self.default)
+        if (
+            self._writes
+            and report.is_file()
+            and (report.parent / "state" / f"{run.last}.nc").is_file()
+        ):
+            with refused_in_a_sentence(self.default):
+                workflow = Path(self._workflow.basedir)
+                write_manifest(run.scene, report.parent, self._plugin, run.last, workflow)
         return f"Report: {report.resolve()}" if report.is_file() else f"Results: {report.parent}/"
 
     def _read(self, name: str) -> Run:
         folder = RESULTS / name
+        # Held until the job ends, and asked for before Snakemake removes what the job is to write.
+        join_run(folder)
         scene = read_resolved(folder / "scene.yaml")
         try:
             chosen = json.loads((folder / "resolved.json").read_text())

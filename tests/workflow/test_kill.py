@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import fcntl
-import shutil
 from pathlib import Path
 
 import pytest
 
 from floeflow.state import read_state
+from support.kills import kill_inside, wait_for_jobs
+from support.kills import start_over as undo_windows
 from support.runner import (
     Done,
     Place,
@@ -27,20 +27,21 @@ pytestmark = pytest.mark.workflow
 TARGET = "results/smoke/state/0003.nc"
 
 
-def wait_for_jobs(place: Place) -> None:
-    """Wait until no job or rank of the scene is left: until the jobs' lock can be had."""
-    with open(place.results() / ".jobs.lock") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-
-
 def start_over(copy) -> tuple[Place, Path]:
     """A finished run whose windows are undone."""
     place = copy()
-    for folder in ("state", "series", "elements", "cost", "fields", ".windows"):
-        for path in (place.results() / folder).glob("*"):
-            if path.name != "0000.nc":
-                shutil.rmtree(path) if path.is_dir() else path.unlink()
+    undo_windows(place)
     return place, place.scene()
+
+
+@pytest.mark.parametrize("mode", ["rank", "job", "power"])
+def test_windows_that_die_in_any_way_come_again_with_the_same_bits(smoke: Done, copy, mode: str):
+    place, scene = start_over(copy)
+    rest = kill_inside(place, scene, TARGET, mode, "window 0002: step")
+    done = rest.run(scene, TARGET)
+    assert done.returncode == 0, done.stdout
+    assert "window 0001: step" not in done.stdout
+    assert bits(rest.results()) == bits(smoke.results)
 
 
 @pytest.mark.parametrize("per_job", [1, 3])
@@ -86,15 +87,13 @@ def test_a_job_that_outlives_its_run_is_waited_for(smoke: Done, copy):
     read_until(run, "window 0002: step")
     with paused(run):
         kill_alone(run)
-        refused = place.run(scene, TARGET)
-    assert refused.returncode == 1
-    assert "a job of an earlier run still writes this scene (process" in refused.stdout
-    drain(run)
-    wait_for_jobs(place)
-    done = place.run(scene, TARGET)
-    assert done.returncode == 0, done.stdout
+        again = place.start(scene, TARGET)
+        line = read_until(again, "a job of an earlier run still writes this scene (process")
+        assert line.endswith("waiting until it ends\n")
+    rest = drain(again)
+    assert again.returncode == 0, rest
     # What the job finished after its workflow's death is taken, not done again.
-    assert "window 0002: step" not in done.stdout
+    assert "window 0002: step" not in rest
     assert bits(place.results()) == bits(smoke.results)
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 from collections.abc import Callable
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from floeflow.scene import load_scene, stage_hash
 from floeflow.state import read_dataset, read_state
 from floeflow.state.snapshots import read_snapshots, snapshot
 from support.runner import Done, Place, bits, digest
@@ -161,3 +163,27 @@ def test_all_states_stay_where_they_are_wanted(smoke: Done, copy: Callable[[], P
     states = [read_state(place.results() / f"state/{window:04d}.nc") for window in (1, 2, 3)]
     found = {window: digest(snapshot(state)) for window, state in enumerate(states, 1)}
     assert found == bits(smoke.results)
+
+
+def test_the_manifest_says_what_the_run_was_made_from(smoke: Done):
+    said = json.loads((smoke.results / "manifest.json").read_text())
+    state = read_state(smoke.results / "state/0003.nc")
+    provenance = json.loads(state.attrs["provenance"])
+    assert said["ranks"] == 2 and said["seed"] == said["scene"]["seed"]
+    assert said["last_state"] == {"window": "0003", "hash": provenance["window"]}
+    assert said["plugin"] == provenance["plugin"]
+    assert said["code"]["windows"] == provenance["library"]
+    (mask,) = said["inputs"]
+    content = (smoke.place.folder / mask).read_bytes()
+    assert said["inputs"] == {mask: hashlib.sha256(content).hexdigest()}
+    assert {"python", "numpy", "floeflow", "snakemake"} <= set(said["versions"])
+    assert {"mask", "windows/0003", "report"} <= set(said["timings"])
+    assert all(job["seconds"] > 0 for job in said["timings"].values())
+
+
+def test_a_run_is_repeated_from_its_manifest(smoke: Done, place: Place):
+    scene = place.folder / "again.yaml"
+    scene.write_text(json.dumps(json.loads((smoke.results / "manifest.json").read_text())["scene"]))
+    assert place.run(scene, "-n").returncode == 0
+    hashes = [stage_hash(load_scene(path), "dynamics") for path in (scene, smoke.scene)]
+    assert hashes[0] == hashes[1]

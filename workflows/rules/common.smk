@@ -3,6 +3,7 @@
 
 from pathlib import Path
 
+from floeflow.analysis.estimate.resources import job_memory, job_minutes, job_ranks
 from floeflow.analysis.studies.plans import STUDIES, study_variants
 from floeflow.diagnostics.study_summaries import valid_digests
 from floeflow.forcings.files import users_files
@@ -152,6 +153,53 @@ def stage_benchmarks(wildcards):
     return expand(
         "results/{scene}/benchmarks/{name}.tsv", scene=wildcards.scene, name=names
     )
+
+
+def ranks_asked(wildcards):
+    """MPI ranks of a window's job on a cluster; on one machine they are its threads."""
+    return job_ranks(SCENES.scene(wildcards.scene))
+
+
+def launcher_asked(wildcards):
+    """What starts these ranks on a cluster: FLOEFLOW_MPI; nothing on one machine."""
+    return SCENES.launcher()
+
+
+def windows_asked(wildcards):
+    """Number of windows that a job works on: those of its chunk, else all."""
+    run = SCENES.run(wildcards.scene)
+    return len(run.chunks.get(getattr(wildcards, "chunk", ""), run.windows))
+
+
+def memory_asked(rule):
+    """Resource function: memory of a rule's job, more when it comes again."""
+
+    def memory(wildcards, threads, attempt):
+        scene, ranks = SCENES.scene(wildcards.scene), 1 if rule == "variant" else 0
+        if rule == "windows":
+            # On a cluster a rank is a task of one thread.
+            ranks = threads if threads > 1 else job_ranks(scene)
+        return job_memory(scene, rule, ranks, attempt)
+
+    return memory
+
+
+def memory_of_a_rank(wildcards, attempt):
+    """Memory for each of a window's ranks, whatever their number."""
+    scene = SCENES.scene(wildcards.scene)
+    return job_memory(scene, "windows", 2, attempt) // 2
+
+
+def minutes_asked(rule):
+    """Resource function: time limit of a rule's job, more when it comes again."""
+
+    def minutes(wildcards, attempt):
+        scene = SCENES.scene(wildcards.scene)
+        ranks = job_ranks(scene) if rule == "windows" else 1
+        asked = job_minutes(scene, rule, windows_asked(wildcards), ranks, attempt)
+        return SCENES.within_limits(asked, rule)
+
+    return minutes
 
 
 def variant_of(wildcards):

@@ -29,8 +29,8 @@ rule trajectory_files:
     benchmark:
         "results/{scene}/benchmarks/trajectory.tsv"
     resources:
-        mem_mb=4000,
-        runtime=30,
+        mem_mb=memory_asked("trajectory"),
+        runtime=minutes_asked("trajectory"),
     params:
         scene_keys=keys_of("trajectory"),
         library=library_digest("trajectory"),
@@ -52,8 +52,8 @@ rule mesh_files:
     benchmark:
         "results/{scene}/benchmarks/mesh.tsv"
     resources:
-        mem_mb=2000,
-        runtime=30,
+        mem_mb=memory_asked("mesh"),
+        runtime=minutes_asked("mesh"),
     params:
         scene_keys=keys_of("mesh"),
         library=library_digest("mesh"),
@@ -81,8 +81,8 @@ rule coast_files:
     benchmark:
         "results/{scene}/benchmarks/coast.tsv"
     resources:
-        mem_mb=1000,
-        runtime=10,
+        mem_mb=memory_asked("coast"),
+        runtime=minutes_asked("coast"),
     params:
         scene_keys=keys_of("mesh"),
         library=library_digest("coast"),

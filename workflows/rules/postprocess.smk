@@ -17,8 +17,8 @@ rule fields:
     wildcard_constraints:
         chunk=r"[0-9]*[1-9][0-9]*",
     resources:
-        mem_mb=1000,
-        runtime=10,
+        mem_mb=memory_asked("fields"),
+        runtime=minutes_asked("fields"),
     params:
         scene_keys=keys_of("grid"),
         library=library_digest("fields"),
@@ -38,8 +38,8 @@ rule grid:
     benchmark:
         "results/{scene}/benchmarks/grid.tsv"
     resources:
-        mem_mb=1000,
-        runtime=10,
+        mem_mb=memory_asked("grid"),
+        runtime=minutes_asked("grid"),
     params:
         library=library_digest("fields"),
     message:
@@ -64,8 +64,8 @@ rule diagnostics:
     benchmark:
         "results/{scene}/benchmarks/diagnostics.tsv"
     resources:
-        mem_mb=2000,
-        runtime=10,
+        mem_mb=memory_asked("diagnostics"),
+        runtime=minutes_asked("diagnostics"),
     params:
         scene_keys=keys_of("diagnostics"),
         library=library_digest("diagnostics"),
@@ -95,8 +95,8 @@ rule report:
     benchmark:
         "results/{scene}/benchmarks/report.tsv"
     resources:
-        mem_mb=2000,
-        runtime=10,
+        mem_mb=memory_asked("report"),
+        runtime=minutes_asked("report"),
     params:
         scene_keys=keys_of("report"),
         library=library_digest("report"),

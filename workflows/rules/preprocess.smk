@@ -12,8 +12,8 @@ rule land:
     benchmark:
         "results/{scene}/benchmarks/land.tsv"
     resources:
-        mem_mb=2000,
-        runtime=10,
+        mem_mb=memory_asked("land"),
+        runtime=minutes_asked("land"),
     params:
         scene_keys=keys_of("land"),
         library=library_digest("land"),
@@ -36,8 +36,8 @@ rule mask:
     benchmark:
         "results/{scene}/benchmarks/mask.tsv"
     resources:
-        mem_mb=1000,
-        runtime=10,
+        mem_mb=memory_asked("mask"),
+        runtime=minutes_asked("mask"),
     params:
         scene_keys=keys_of("mask"),
         library=library_digest("mask"),
@@ -58,8 +58,8 @@ rule estimate:
     benchmark:
         "results/{scene}/benchmarks/estimate.tsv"
     resources:
-        mem_mb=1000,
-        runtime=10,
+        mem_mb=memory_asked("estimate"),
+        runtime=minutes_asked("estimate"),
     params:
         scene_keys=keys_of("estimate"),
         library=library_digest("estimate"),
@@ -81,8 +81,8 @@ rule packing:
     benchmark:
         "results/{scene}/benchmarks/packing.tsv"
     resources:
-        mem_mb=2000,
-        runtime=30,
+        mem_mb=memory_asked("packing"),
+        runtime=minutes_asked("packing"),
     params:
         scene_keys=keys_of("packing"),
         library=library_digest("packing"),
@@ -104,8 +104,8 @@ rule cells:
     benchmark:
         "results/{scene}/benchmarks/cells.tsv"
     resources:
-        mem_mb=2000,
-        runtime=30,
+        mem_mb=memory_asked("cells"),
+        runtime=minutes_asked("cells"),
     params:
         scene_keys=keys_of("cells"),
         library=library_digest("cells"),
@@ -126,8 +126,8 @@ rule bonds:
     benchmark:
         "results/{scene}/benchmarks/bonds.tsv"
     resources:
-        mem_mb=1000,
-        runtime=10,
+        mem_mb=memory_asked("bonds"),
+        runtime=minutes_asked("bonds"),
     params:
         scene_keys=keys_of("bonds"),
         library=library_digest("bonds"),
@@ -151,8 +151,8 @@ rule initial:
     benchmark:
         "results/{scene}/benchmarks/initial.tsv"
     resources:
-        mem_mb=1000,
-        runtime=10,
+        mem_mb=memory_asked("initial"),
+        runtime=minutes_asked("initial"),
     params:
         scene_keys=keys_of("initial", "mask"),
         library=library_digest("initial"),

@@ -23,8 +23,11 @@ rule windows:
         chunk=r"[0-9]*[1-9][0-9]*",
     threads: 2
     resources:
-        mem_mb=4000,
-        runtime=240,
+        mpi=launcher_asked,
+        tasks=ranks_asked,
+        mem_mb=memory_asked("windows"),
+        mem_mb_per_cpu=memory_of_a_rank,
+        runtime=minutes_asked("windows"),
     params:
         scene_keys=keys_of("dynamics", "column", "cure", "forcing", "keep"),
         library=library_digest("windows"),

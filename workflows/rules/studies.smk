@@ -24,8 +24,8 @@ rule variant:
     wildcard_constraints:
         scene=r"[a-z0-9][a-z0-9_-]*\+[a-z0-9_-]+",
     resources:
-        mem_mb=4000,
-        runtime=240,
+        mem_mb=memory_asked("variant"),
+        runtime=minutes_asked("variant"),
     params:
         scene_keys=keys_of("dynamics", "column", "cure", "forcing", "initial", "grid"),
         library=library_digest("windows"),
@@ -56,8 +56,8 @@ rule ablation_page:
     benchmark:
         "results/{scene}/benchmarks/ablation.tsv"
     resources:
-        mem_mb=2000,
-        runtime=10,
+        mem_mb=memory_asked("study"),
+        runtime=minutes_asked("study"),
     params:
         scene_keys=keys_of("report"),
         library=library_digest("studies"),
@@ -89,8 +89,8 @@ rule accuracy_page:
     benchmark:
         "results/{scene}/benchmarks/accuracy.tsv"
     resources:
-        mem_mb=4000,
-        runtime=20,
+        mem_mb=memory_asked("study"),
+        runtime=minutes_asked("study"),
     params:
         scene_keys=keys_of("report"),
         library=library_digest("studies"),

@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from floeflow.core.constants import ICE_DENSITY
 from floeflow.scene.effects import plugin_switches
@@ -29,6 +29,25 @@ Coefficients = Mapping[str, float]
 WORK = ("dynamics", "column")
 # Concentration varies within the ice: where the mean is this little below, most has bonds.
 BOND_MARGIN = 0.05
+
+
+class Pack(Protocol):
+    """What sizes of a run follow from: `Conditions`, or an outline of them."""
+
+    @property
+    def elements(self) -> int: ...  # noqa: D102
+
+    @property
+    def element_size(self) -> float: ...  # noqa: D102
+
+    @property
+    def concentration(self) -> float: ...  # noqa: D102
+
+    @property
+    def bond_concentration(self) -> float: ...  # noqa: D102
+
+    @property
+    def coast_share(self) -> float: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -70,12 +89,12 @@ def coefficients() -> dict[str, float]:
     return data
 
 
-def bonded(c: Conditions, effects: Iterable[str]) -> bool:
+def bonded(c: Pack, effects: Iterable[str]) -> bool:
     """Whether most of the ice is dense enough for the scene's bonds."""
     return "bonds" in effects and c.concentration >= c.bond_concentration - BOND_MARGIN
 
 
-def critical_step(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients) -> float:
+def critical_step(c: Pack, scene: Scene, effects: Iterable[str], fit: Coefficients) -> float:
     """Critical step of the element model (s): stiffnesses of contacts, friction and bonds add up.
 
     Each alone allows a step of size over speed of sound, times a fitted factor that holds what the
@@ -90,7 +109,7 @@ def critical_step(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coef
     return c.element_size / math.sqrt(square)
 
 
-def sizes(c: Conditions, scene: Scene, effects: Iterable[str], fit: Coefficients) -> Sizes:
+def sizes(c: Pack, scene: Scene, effects: Iterable[str], fit: Coefficients) -> Sizes:
     """Sizes of a run of the scene with these effects."""
     effects = tuple(effects)
     domain = scene.domain

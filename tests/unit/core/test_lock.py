@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -11,17 +12,23 @@ from pathlib import Path
 import pytest
 
 from floeflow.core.errors import FloeError
-from floeflow.core.lock import claim_scene, clear_stale_locks, hold_alone, hold_job
+from floeflow.core.lock import claim_scene, clear_stale_locks, hold_alone, hold_job, join_run
 
 HOLDER = """
 import sys
 from pathlib import Path
 from floeflow.core import lock
 folder = Path(sys.argv[2])
-with lock.hold_job(folder) if sys.argv[1] == "job" else lock.hold_alone(folder / ".lock", "x"):
-    print("held", flush=True)
-    sys.stdin.read()
+held = lock.join_run(folder) if sys.argv[1] == "job" else lock.claim_scene(folder)
+print("held", flush=True)
+sys.stdin.read()
 """
+
+
+@pytest.fixture(autouse=True)
+def no_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Claiming a scene sets the id of the run in the environment: it goes with the test."""
+    monkeypatch.setenv("FLOEFLOW_RUN", "")
 
 
 @pytest.fixture
@@ -50,9 +57,50 @@ def test_a_second_run_is_told_who_holds_the_scene(tmp_path: Path, holder):
         claim_scene(tmp_path)
 
 
-def test_a_job_that_outlived_its_run_is_seen(tmp_path: Path, holder):
-    process = holder("job", tmp_path)
-    with pytest.raises(FloeError, match=f"earlier run still writes .* .process {process.pid}"):
+def test_a_job_that_outlived_its_run_is_waited_for(tmp_path: Path, holder):
+    job = holder("job", tmp_path)
+    command = [sys.executable, "-c", HOLDER, "run", str(tmp_path)]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as run:
+        assert run.stderr is not None and run.stdout is not None
+        told = f"a job of an earlier run still writes this scene (process {job.pid}); waiting"
+        assert told in run.stderr.readline()
+        job.kill()
+        assert run.stdout.readline() == "held\n"
+        run.kill()
+
+
+def test_a_job_that_was_left_behind_in_a_queue_writes_nothing(tmp_path: Path, monkeypatch):
+    os.close(claim_scene(tmp_path))
+    with hold_job(tmp_path):
+        pass
+    for mine, told in (("host-1-abc", "host-1-abc"), ("", "without an id")):
+        monkeypatch.setenv("FLOEFLOW_RUN", mine)
+        with pytest.raises(FloeError, match=rf"this job is of an earlier run \({told}\)"):
+            join_run(tmp_path)
+
+
+def test_the_owner_of_a_lock_is_told_with_its_host_and_its_job(tmp_path: Path, holder):
+    process = holder("run", tmp_path)
+    (tmp_path / ".lock").write_text("77 node7 4711\n")
+    with pytest.raises(FloeError, match="process 77 on node7, Slurm job 4711"):
+        claim_scene(tmp_path)
+    process.kill()
+
+
+def test_a_file_system_without_locks_is_told(tmp_path: Path, monkeypatch):
+    def refuse(handle: int, mode: int) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr("fcntl.flock", refuse)
+    with pytest.raises(FloeError, match=f"file system of {tmp_path}/.lock has no locks"):
+        claim_scene(tmp_path)
+
+
+def test_locks_that_other_processes_do_not_see_are_told(tmp_path: Path, monkeypatch):
+    monkeypatch.setattr("fcntl.flock", lambda handle, mode: None)
+    with pytest.raises(FloeError, match="not seen by other processes"):
         claim_scene(tmp_path)
 
 

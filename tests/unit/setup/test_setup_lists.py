@@ -74,10 +74,13 @@ def test_every_target_of_make_has_its_line_of_help() -> None:
     assert [line.split()[1] for line in run.stdout.splitlines()] == phony[1].split()
 
 
+LOCKS = ("requirements.lock", "requirements-cluster.lock")
+
+
 def pinned() -> dict[str, str]:
-    """Return the entries of the lock, each with its hashes, by normalised name."""
+    """Return the entries of the locks, each with its hashes, by normalised name."""
     entries: dict[str, str] = {}
-    for line in (ROOT / "setup/requirements.lock").read_text().splitlines():
+    for line in "".join((ROOT / "setup" / lock).read_text() for lock in LOCKS).splitlines():
         if match := re.match(r"([a-z0-9-]+)==", line):
             name = match[1]
             entries[name] = line
@@ -87,12 +90,13 @@ def pinned() -> dict[str, str]:
 
 
 def direct() -> list[str]:
-    """Return the names in the two lists of direct dependencies, normalised."""
+    """Return the names in the lists of direct dependencies, normalised."""
     files = (
         "requirements.in",
         "requirements-workflow.in",
         "requirements-formats.in",
         "requirements-dev.in",
+        "requirements-cluster.in",
     )
     lines = [line for file in files for line in (ROOT / "setup" / file).read_text().splitlines()]
     return [line.lower() for line in lines if line and not line.startswith("#")]
@@ -102,7 +106,7 @@ def test_lock_pins_every_dependency_with_hashes_and_names_no_index() -> None:
     entries = pinned()
     assert set(direct()) <= set(entries)
     assert all("--hash=sha256:" in entry for entry in entries.values())
-    text = (ROOT / "setup/requirements.lock").read_text()
+    text = "".join((ROOT / "setup" / lock).read_text() for lock in LOCKS)
     assert "://" not in text
     assert not re.search(r"^\s*-(?!-hash)", text, re.MULTILINE)
 

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A private Slurm for the tests of this folder, and ``smoke`` run through it once."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from support.runner import Done, make_place
+from support.slurm import Cluster, PrivateSlurm
+
+PLUGINS = ("snakemake_executor_plugin_slurm", "snakemake_executor_plugin_cluster_generic")
+
+
+@pytest.fixture(scope="session")
+def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PrivateSlurm]:
+    """Two nodes of two cores; skipped, with the reason, where it cannot be."""
+    if os.getuid() != 0:
+        pytest.skip("a private Slurm must be started as root")
+    if not shutil.which("slurmctld", path=f"{os.environ['PATH']}:/usr/sbin"):
+        pytest.skip("Slurm is not installed (make test-cluster installs it where it can)")
+    if missing := [name for name in PLUGINS if not importlib.util.find_spec(name)]:
+        pytest.skip(f"Snakemake lacks {', '.join(missing)} (make setup-cluster)")
+    started = PrivateSlurm(tmp_path_factory.mktemp("slurm"))
+    try:
+        started.start()
+        yield started
+    finally:
+        started.stop()
+
+
+@pytest.fixture(scope="session")
+def smoke(slurm: PrivateSlurm, tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """The whole of ``smoke`` through sbatch, each rule a job, its windows on two ranks."""
+    place = make_place(tmp_path_factory.mktemp("smoke") / "place")
+    scene = place.scene()
+    done = Cluster(slurm, place).run("cluster-generic", scene)
+    assert done.returncode == 0, done.stdout
+    return Done(place, scene, done.stdout)
+
+
+@pytest.fixture
+def undone(smoke: Done, slurm: PrivateSlurm, tmp_path: Path) -> Callable[[], Cluster]:
+    """Make a copy of the finished run whose windows are undone."""
+
+    def make() -> Cluster:
+        place = make_place(tmp_path / "copy", like=smoke.place)
+        for folder in ("state", "series", "elements", "cost", "fields", ".windows"):
+            for path in (place.results() / folder).glob("*"):
+                if path.name != "0000.nc":
+                    shutil.rmtree(path) if path.is_dir() else path.unlink()
+        shutil.rmtree(place.folder / ".snakemake/slurm_logs", ignore_errors=True)
+        return Cluster(slurm, place)
+
+    return make
