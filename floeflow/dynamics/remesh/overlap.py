@@ -22,7 +22,7 @@ Index = NDArray[np.int64]
 
 # Shares of an old cell below this are round-off of two outlines that coincide.
 LEAST_PIECE = 1.0e-9
-# A hull larger by less than this share is the polygon itself.
+# A corner that turns inwards by less than this share of its polygon's area does not.
 ROUND_OFF = 1.0e-12
 # Grid on which GEOS intersects two bent outlines, m.
 GRID = 1.0e-6
@@ -113,7 +113,7 @@ def overlap(
     source, target = source[order].astype(np.int64), target[order].astype(np.int64)
     area, centre = np.zeros(len(source)), np.zeros((len(source), 2))
     first, second = rings_of(old), rings_of(cells)
-    by_cell, by_old = convex(cells)[target], convex(old)[source]
+    by_cell, by_old = convex(*second)[target], convex(*first)[source]
     rows = np.flatnonzero(by_cell)
     area[rows], centre[rows] = shared(*first, *second, source[rows], target[rows])
     rows = np.flatnonzero(~by_cell & by_old)
@@ -128,10 +128,30 @@ def overlap(
     return source[keep], target[keep], area[keep], centre[keep]
 
 
-def convex(polygons: NDArray[np.object_]) -> NDArray[np.bool_]:
-    """Whether polygons have no corner that turns inwards by more than round-off, (n,)."""
-    hull = shapely.area(shapely.convex_hull(polygons))
-    return np.asarray(hull <= (1.0 + ROUND_OFF) * shapely.area(polygons))
+def convex(start: Index, corner: Array) -> NDArray[np.bool_]:
+    """Whether anticlockwise open rings have no corner that turns inwards by more than round-off.
+
+    Parameters
+    ----------
+    start, corner : ndarray
+        Starts (n + 1,) and corners (m), (c, 2); each ring has three corners or more.
+    """
+    row = np.arange(len(corner))
+    first, last = (np.repeat(each, np.diff(start)) for each in (start[:-1], start[1:] - 1))
+    before = corner[np.where(row == first, last, row - 1)]
+    after = corner[np.where(row == last, first, row + 1)]
+    one, two = corner - before, after - corner
+    turn = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    # Of the triangle that a corner cuts off, or that it takes from the hull.
+    if len(start) == 1:
+        return np.zeros(0, dtype=bool)
+    inwards = np.add.reduceat(np.maximum(-turn, 0.0), start[:-1])
+    twice = np.add.reduceat(
+        (before[:, 0] - corner[first, 0]) * (corner[:, 1] - corner[first, 1])
+        - (before[:, 1] - corner[first, 1]) * (corner[:, 0] - corner[first, 0]),
+        start[:-1],
+    )
+    return np.asarray(inwards <= ROUND_OFF * np.abs(twice))
 
 
 def covered(source: Index, area: Array, old: NDArray[np.object_]) -> Array:
