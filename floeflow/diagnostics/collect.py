@@ -268,9 +268,15 @@ def read_grid(path: Path) -> xr.Dataset:
     for name in ("x", "y", "siconc"):
         if name not in data.variables:
             raise FloeError(f"{path}: variable '{name}' is missing")
-    if data["siconc"].attrs.get("units") in ("%", "percent"):
-        data["siconc"] = data["siconc"] / 100.0
-    return data
+    return with_shares(data)
+
+
+def with_shares(grid: xr.Dataset) -> xr.Dataset:
+    """The fields with concentration as a share of 1, whatever its unit is in the file."""
+    if grid["siconc"].attrs.get("units") not in ("%", "percent"):
+        return grid
+    share = (grid["siconc"] / 100.0).assign_attrs(grid["siconc"].attrs | {"units": "1"})
+    return grid.assign(siconc=share)
 
 
 def cell_area(grid: xr.Dataset, path: Path) -> np.ndarray:

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.analysis.studies.compare import RunEnds, differences, scales
+from floeflow.diagnostics.collect import with_shares
 from floeflow.diagnostics.gridded import make_grid
 from floeflow.scene import Scene
 
@@ -21,7 +22,8 @@ def on_grid(scene: Scene, ends: RunEnds, mask: xr.Dataset) -> tuple[xr.Dataset, 
     """Gridded concentration and thickness at start and end of a run."""
     names = ["siconc", "sithick"]
     first, last = (
-        make_grid(scene, state, mask)[names].isel(time=0) for state in (ends.first, ends.last)
+        with_shares(make_grid(scene, state, mask)[names].isel(time=0))
+        for state in (ends.first, ends.last)
     )
     return first, last
 

@@ -14,6 +14,7 @@ from cf_xarray.units import units as registry
 
 from floeflow.column.thickness.categories import category_bounds
 from floeflow.diagnostics.cf_output import DESCRIPTIONS, join_files, join_times, write_grid
+from floeflow.diagnostics.collect import read_grid, with_shares
 from floeflow.diagnostics.gridded import make_grid
 from unit.diagnostics.test_gridded import ALL, make_mask, make_state, scene_of
 
@@ -166,3 +167,11 @@ def test_damage_is_the_outline_that_no_bond_holds(file: Path, tmp_path: Path):
     np.testing.assert_allclose(data["damage"].values[ice], 0.5, rtol=1e-9)
     with xr.open_dataset(file) as unbonded:
         assert "damage" not in unbonded
+
+
+def test_concentration_is_a_share_where_the_program_reads_it(file: Path):
+    with xr.open_dataset(file) as data:
+        raw = data["siconc"].values
+    shares = with_shares(read_grid(file))
+    np.testing.assert_allclose(shares["siconc"], raw / 100.0)
+    assert shares["siconc"].attrs["units"] == "1" and float(np.nanmax(raw)) > 50.0
