@@ -70,6 +70,7 @@ def draw(name: str) -> None:
     axes.set_xlim(x.min() - 2 * wide, x.max() + 2 * wide)
     axes.set_ylim(y.min() - 2 * wide, y.max() + 2 * wide)
     axes.set_aspect("equal")
+    axes.locator_params(nbins=5)
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
     figure.savefig(f"{name}.png", dpi=90, metadata={"Software": None})

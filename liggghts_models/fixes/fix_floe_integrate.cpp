@@ -220,10 +220,12 @@ void FixFloeIntegrate::pre_exchange() {
 // Between runs commands may read and change LIGGGHTS' history, or take elements away.
 void FixFloeIntegrate::post_run() {
   has_run_ = has_run_ || pairs;
+  between_runs_ = true;
   if (pairs) pairs->keep_history();
 }
 
 void FixFloeIntegrate::setup_pre_exchange() {
+  between_runs_ = false;
   if (pairs) pairs->forget_records();
 }
 
@@ -292,6 +294,12 @@ void FixFloeIntegrate::grow_arrays(int nmax) {
 }
 
 void FixFloeIntegrate::copy_arrays(int i, int j, int) {
+  // delete_atoms fills gaps from behind. A second one in a row loses bonds of what was moved twice.
+  if (between_runs_ && pairs && !pairs->lists_hold()) {
+    error->one(FLERR,
+               "delete_atoms: floes were taken away before, and bonds would be lost; give `run 0` "
+               "between the two");
+  }
   thickness[j] = thickness[i];
   cover[j] = cover[i];
   ice_area[j] = ice_area[i];

@@ -120,7 +120,8 @@ class FixFloeIntegrate : public Fix {
   void take_variables(int i, floe::ForcingSample &here) const;
   bool ask_fused;  // by keyword
   bool has_run_ = false;
-  bool first_kick;     // no step was made since the elements were set
+  bool between_runs_ = false;  // commands may change the elements
+  bool first_kick;             // no step was made since the elements were set
   bool stop_at_fault;  // end the run; else keep the element where it is and let the driver ask
   double default_thickness, default_cover, default_ice_area;
   std::string variable_names_[4];  // of wind u v and ocean u v; empty: a number

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from floeflow.analysis.estimate.choose import OUTPUT, SETTING, estimate, recommended
 from floeflow.analysis.estimate.conditions import Conditions, conditions
@@ -27,6 +28,7 @@ from floeflow.analysis.estimate.ice import open_water_loss, run_ice
 from floeflow.analysis.estimate.influence import influence, without
 from floeflow.analysis.estimate.summary import estimates
 from floeflow.analysis.resolve import resolve_scene
+from floeflow.cli import app
 from floeflow.scene import load_scene
 from floeflow.scene.effects import EFFECTS
 
@@ -243,11 +245,11 @@ def test_auto_chooses_and_says_why(tmp_path: Path):
 
 
 def test_the_command_prints_the_table():
-    command = [sys.executable, "-m", "floeflow.cli", "effects", str(SMOKE)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
-    assert done.returncode == 0, done.stderr
+    done = CliRunner().invoke(app, ["effects", str(SMOKE)])
+    assert done.exit_code == 0, done.output
     for name in EFFECTS:
         assert f"\n{name} " in done.stdout
     assert "Recommended: effects: [wind" in done.stdout
-    missing = subprocess.run([*command[:-1], "none.yaml"], capture_output=True, text=True, cwd=ROOT)
+    command = [sys.executable, "-m", "floeflow.cli", "effects", "none.yaml"]
+    missing = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert missing.returncode == 1 and "none.yaml" in missing.stderr

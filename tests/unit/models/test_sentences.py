@@ -80,6 +80,26 @@ def test_bonds_need_the_lists_of_the_elements_that_are_there(tmp_path: Path) -> 
     assert "floe_bonds needs lists of the present neighbours: give `run 0` right before" in done.out
 
 
+def test_floes_deleted_one_after_the_other_take_their_bonds_along(tmp_path: Path) -> None:
+    one = "region one block 1.9 4.1 -0.1 2.3 INF INF units lattice\ngroup one region one\n"
+    two = "region two block 5.9 8.1 -0.1 2.3 INF INF units lattice\ngroup two region two\n"
+    both = one + two + "group both union one two\n"
+    ends = [
+        "delete_atoms group both compress no\n",
+        "delete_atoms group one compress no\nrun 0\ndelete_atoms group two compress no\n",
+    ]
+    show = "thermo_style custom step f_motion[28] f_motion[26]\n" + PRINT
+    found = []
+    for k, end in enumerate(ends):
+        script = raft() + BOND + show + both + "run 20\n" + end + "run 0\n"
+        table = run_script(tmp_path / str(k), script).tables[-1]
+        found.append((table["1"][-1], table["2"][-1]))
+    assert found[1] == found[0] and 0 < found[0][0] < 317
+    at_once = raft() + BOND + both + "run 20\n" + ends[1].replace("run 0\n", "") + "run 0\n"
+    done = run_script(tmp_path / "at_once", at_once, works=False)
+    assert done.code != 0 and "bonds would be lost; give `run 0` between" in done.out + done.err
+
+
 def test_a_wall_that_does_not_fit_the_box_is_named(tmp_path: Path) -> None:
     write_wall(tmp_path / "wall.stl", [(0.0, -3.0), (0.0, 3.0)])
     script = discs([(2.0, 0.0), (4.0, 0.0)], "", boundary="m m p").replace(
@@ -117,8 +137,11 @@ def test_lists_of_another_length_forget_nothing(tmp_path: Path) -> None:
     assert "neigh_modify page and one may only be set before the first run" in done.out
 
 
-def test_the_stock_program_takes_the_models_from_a_library(tmp_path: Path) -> None:
-    library = plugin_path().with_name("libfloe-preload.so")
+def test_the_stock_program_takes_the_models_from_where_they_are_installed(tmp_path: Path) -> None:
+    command = ["cmake", "--install", plugin_path().parent, "--prefix", tmp_path / "usr"]
+    subprocess.run(command, capture_output=True, check=True)
+    (library,) = (tmp_path / "usr").rglob("libfloe-preload.so")
+    assert (tmp_path / "usr/bin/liggghts-floe").is_file()
     (tmp_path / "in.script").write_text(raft() + BOND + "run 10\n")
     done = subprocess.run(
         ["liggghts", "-in", "in.script"],

@@ -59,14 +59,14 @@ def test_a_periodic_pack_of_two_sizes_reaches_close_packing(tmp_path: Path) -> N
 
 
 def test_jammed_discs_say_what_overlap_is_left(tmp_path: Path) -> None:
-    places, radius, side = bidisperse(60, 0.95)
+    places, radius, side = bidisperse(16, 0.95)
     box = Box(np.empty((0, 2)), np.empty(0), None, (0.0, 0.0, side, side))
     made = compact(places, radius, box, 1e-3, tmp_path)
     assert made.overlap > 1e-3
 
 
-def packed(mask, tmp_path: Path, **discs):
-    keys = Packing(generator="dense", elements=250, discs=Discs(**discs))
+def packed(mask, tmp_path: Path, elements: int = 250, **discs):
+    keys = Packing(generator="dense", elements=elements, discs=Discs(**discs))
     return make_packing(mask, keys, 5, True, compactor(grid_of(mask), tmp_path))
 
 
@@ -92,7 +92,7 @@ def test_concentration_is_whole_floes_with_open_water(tmp_path: Path) -> None:
 
 def test_floes_stay_within_coast_and_rim(tmp_path: Path) -> None:
     mask = coastline()
-    made = packed(mask, tmp_path)
+    made = packed(mask, tmp_path, 120)
     grid, mobile = grid_of(mask), made["type"].values == 1
     row, column = grid.cell_of(made["x"].values, made["y"].values)
     assert not (mask["land"].values[row, column] > 0)[mobile].any()
