@@ -2,7 +2,7 @@
 """How a rule's module becomes a program: its log, its lock, its way to fail.
 
 Every stage holds the scene's job lock while it runs. A job that outlives a killed workflow is
-thereby seen by the next one, which refuses to write beside it (``floeflow.core.lock``).
+thereby seen by the next one, which waits for its end (``floeflow.core.lock``).
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ from floeflow.core.lock import hold_job
 from floeflow.core.records import cpu_seconds
 from floeflow.scene import Scene
 from floeflow.scene.load import read_resolved
+
+# A window of a small scene writes less than this.
+LEAST_ROOM_MB = 20
 
 
 class Snakemake(Protocol):
@@ -44,8 +47,11 @@ def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
     log.parent.mkdir(parents=True, exist_ok=True)
     form = "%(asctime)s %(name)s %(levelname)s %(message)s"
     logging.basicConfig(filename=log, filemode="w", level=logging.INFO, format=form)
+    # A log that cannot be written on a full disk must not hide the sentence that says so.
+    logging.raiseExceptions = False
     try:
         with hold_job(scene_folder(snakemake)):
+            check_room(scene_folder(snakemake))
             main(snakemake)
         _keep_cost(snakemake)
     except FloeError as error:
@@ -57,6 +63,23 @@ def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
     except Exception:
         logging.exception("unexpected fault")
         raise
+
+
+def check_room(folder: Path) -> None:
+    """Refuse to begin where the disk is as good as full.
+
+    Raises
+    ------
+    FloeError
+        Names the folder and what is left.
+    """
+    room = os.statvfs(folder)
+    left = room.f_bavail * room.f_frsize / 1e6
+    if left < LEAST_ROOM_MB:
+        raise FloeError(
+            f"{folder}: the disk is full ({left:.0f} MB are left, {LEAST_ROOM_MB} are needed to "
+            "begin); make room and run the same command again"
+        )
 
 
 def _keep_cost(snakemake: Snakemake) -> None:

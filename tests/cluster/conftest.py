@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from support.kills import start_over
 from support.runner import Done, make_place
 from support.slurm import Cluster, PrivateSlurm
 
@@ -45,16 +46,17 @@ def smoke(slurm: PrivateSlurm, tmp_path_factory: pytest.TempPathFactory) -> Done
 
 
 @pytest.fixture
-def undone(smoke: Done, slurm: PrivateSlurm, tmp_path: Path) -> Callable[[], Cluster]:
-    """Make a copy of the finished run whose windows are undone."""
+def undone(smoke: Done, slurm: PrivateSlurm, tmp_path: Path) -> Iterator[Callable[[], Cluster]]:
+    """Make a copy of the finished run whose windows are undone; ends what a test leaves running."""
+    made = []
 
     def make() -> Cluster:
         place = make_place(tmp_path / "copy", like=smoke.place)
-        for folder in ("state", "series", "elements", "cost", "fields", ".windows"):
-            for path in (place.results() / folder).glob("*"):
-                if path.name != "0000.nc":
-                    shutil.rmtree(path) if path.is_dir() else path.unlink()
+        start_over(place)
         shutil.rmtree(place.folder / ".snakemake/slurm_logs", ignore_errors=True)
-        return Cluster(slurm, place)
+        made.append(Cluster(slurm, place))
+        return made[-1]
 
-    return make
+    yield make
+    for cluster in made:
+        cluster.end()

@@ -3,15 +3,14 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from support.runner import PROJECT, STREAMS, Place
+from support.runner import PROJECT, STREAMS, Place, kill_all
 
 SCRIPT = PROJECT / "setup/private_slurm.sh"
 # Looks at jobs often, as these are short; sacct has no accounting to ask here.
@@ -83,6 +82,7 @@ class Cluster:
 
     slurm: PrivateSlurm
     place: Place
+    started: list[subprocess.Popen[str]] = field(default_factory=list)
 
     def command(self, profile: str, scene: Path, target: str = "", more: Sequence[str] = ()):
         """Snakemake's command line, as docs/how-to/cluster.md has it."""
@@ -109,12 +109,27 @@ class Cluster:
         self, profile: str, scene: Path, target: str = "", more: Sequence[str] = ()
     ) -> subprocess.Popen[str]:
         """Start in a session of its own."""
-        return subprocess.Popen(
+        run = subprocess.Popen(
             self.command(profile, scene, target, more),
             start_new_session=True,
-            env=os.environ | self.slurm.environment,
+            env=self.slurm.environment,
             **STREAMS,
         )
+        self.started.append(run)
+        return run
+
+    def end(self) -> None:
+        """End what is left of the runs that were started, and their jobs."""
+        for run in self.started:
+            if run.poll() is None:
+                kill_all(run)
+        mine = [
+            int(word)
+            for word in self.slurm("squeue", "-h", "-o", "%i").split()
+            if self.slurm.job(int(word))["WorkDir"] == str(self.place.folder)
+        ]
+        if mine:
+            self.slurm("scancel", *mine)
 
     def logs(self) -> str:
         """What Slurm kept of its jobs' words."""

@@ -71,3 +71,18 @@ def test_ranks_that_say_nothing_are_quoted_from_their_log(job: Job, tmp_path: Pa
     assert "ERROR: Out of range atoms" in window._last_words(job, log, 1)
     log.write_text("noise\n")
     assert "ended with code 7: noise (see " in window._last_words(job, log, 7)
+
+
+def test_a_launcher_that_is_not_there_is_named(job: Job, tmp_path: Path):
+    with pytest.raises(FloeError, match="no-srun cannot be started: No such file"):
+        window.run_ranks(job, 2, tmp_path / "ranks.log", ("no-srun", "--mpi=pmix"))
+
+
+def test_a_launcher_is_given_its_ranks(job: Job, tmp_path: Path):
+    words = tmp_path / "words"
+    launcher = tmp_path / "srun"
+    launcher.write_text(f'#!/bin/sh\necho "$*" > {words}\ncat > /dev/null\n')
+    launcher.chmod(0o755)
+    window.run_ranks(job, 3, tmp_path / "ranks.log", (str(launcher), "--mpi=pmix"))
+    assert words.read_text().startswith("--mpi=pmix -n 3 ")
+    assert words.read_text().endswith(" -m floeflow.coupling.coupled_windows\n")
