@@ -52,7 +52,7 @@ def claim_scene(folder: Path) -> int:
         Where another workflow holds the scene; names the process. Where the file system has no
         locks.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    _make(folder)
     run = _open(folder / RUN_LOCK)
     if not _try(run, fcntl.LOCK_EX):
         pid = _owner(run)
@@ -90,7 +90,7 @@ def join_run(folder: Path) -> int:
         Where the scene has gone over to another workflow than the one that this job is of.
     """
     folder = folder.with_name(folder.name.partition("+")[0])
-    folder.mkdir(parents=True, exist_ok=True)
+    _make(folder)
     jobs = _open(folder / JOB_LOCK)
     # Blocks only for the moment in which a workflow asks whether jobs are left.
     fcntl.flock(jobs, fcntl.LOCK_SH)
@@ -160,6 +160,13 @@ def clear_stale_locks(folder: Path, snakemake_folder: Path = Path(".snakemake"))
     for path in stale:
         path.unlink(missing_ok=True)
     return len(stale)
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FloeError(f"{folder}: cannot be written: {error.strerror}") from None
 
 
 def _open(path: Path) -> int:

@@ -171,15 +171,15 @@ def windows_asked(wildcards):
     return len(run.chunks.get(getattr(wildcards, "chunk", ""), run.windows))
 
 
-def memory_asked(rule):
+def memory_asked(stage):
     """Resource function: memory of a rule's job, more when it comes again."""
 
     def memory(wildcards, threads, attempt):
-        scene, ranks = SCENES.scene(wildcards.scene), 1 if rule == "variant" else 0
-        if rule == "windows":
+        scene, ranks = SCENES.scene(wildcards.scene), 1 if stage == "variant" else 0
+        if stage == "windows":
             # On a cluster a rank is a task of one thread.
             ranks = threads if threads > 1 else job_ranks(scene)
-        return job_memory(scene, rule, ranks, attempt)
+        return job_memory(scene, stage, ranks, attempt)
 
     return memory
 
@@ -190,14 +190,14 @@ def memory_of_a_rank(wildcards, attempt):
     return job_memory(scene, "windows", 2, attempt) // 2
 
 
-def minutes_asked(rule):
+def minutes_asked(stage):
     """Resource function: time limit of a rule's job, more when it comes again."""
 
     def minutes(wildcards, attempt):
         scene = SCENES.scene(wildcards.scene)
-        ranks = job_ranks(scene) if rule == "windows" else 1
-        asked = job_minutes(scene, rule, windows_asked(wildcards), ranks, attempt)
-        return SCENES.within_limits(asked, rule)
+        ranks = job_ranks(scene) if stage == "windows" else 1
+        asked = job_minutes(scene, stage, windows_asked(wildcards), ranks, attempt)
+        return SCENES.within_limits(asked, stage)
 
     return minutes
 

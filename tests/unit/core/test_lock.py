@@ -143,3 +143,12 @@ def test_a_place_that_cannot_be_locked_is_named(tmp_path: Path):
     (tmp_path / ".lock").mkdir()
     with pytest.raises(FloeError, match="cannot be locked: Is a directory"):
         claim_scene(tmp_path)
+
+
+def test_results_that_cannot_be_written_are_named(tmp_path: Path, monkeypatch):
+    def refuse(self: Path, **options: bool) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    with pytest.raises(FloeError, match=f"{tmp_path}: cannot be written: Read-only file system"):
+        claim_scene(tmp_path)
