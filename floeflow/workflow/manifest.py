@@ -20,7 +20,7 @@ from typing import Any
 
 from floeflow.core.atomic_write import write_text
 from floeflow.coupling.resume import file_hash
-from floeflow.forcings.window import forcing_files
+from floeflow.forcings.files import forcing_files
 from floeflow.scene import Scene
 from floeflow.state import read_state
 from floeflow.workflow.library import PACKAGES, library_digest

@@ -98,6 +98,10 @@ def with_pairs(state: xr.Dataset, tables: dict[str, Arrays]) -> xr.Dataset:
     return state
 
 
+# A ridge at a wall holds a disc off by less than this share of its radius.
+FAR = 0.25
+
+
 def with_walls(state: xr.Dataset, before: xr.Dataset, names: Index | None) -> xr.Dataset:
     """State with its walls: contacts keep their elastic overlap, new ones begin without force.
 
@@ -129,8 +133,13 @@ def with_walls(state: xr.Dataset, before: xr.Dataset, names: Index | None) -> xr
     pair = np.stack([contacts["id"], contacts["face"]], axis=1)[order]
     first = np.append(True, (np.diff(pair, axis=0) != 0).any(axis=1))[: len(pair)]
     contacts = {name: values[order[first]] for name, values in contacts.items()}
-    now = overlap(state, contacts["id"], contacts["face"])
-    contacts["rest_overlap"] = now - elastic[order[first]]
+    now, elastic = overlap(state, contacts["id"], contacts["face"]), elastic[order[first]]
+    contacts["rest_overlap"] = now - elastic
+    # An element that merging moved away from a wall keeps nothing of it: the wall's next faces
+    # would take over a rest from afar.
+    apart = -FAR * state["radius"].values[element_rows(state["id"].values, contacts["id"])]
+    near = (now > 0.0) | ((elastic > 0.0) & (now > apart))
+    contacts = {name: values[near] for name, values in contacts.items()}
     ice = np.flatnonzero(state["type"].values != COAST)
     elements = {name: state[name].values[ice] for name in ("id", "x", "y", "radius")}
     found = overlapping(faces, elements, time)
