@@ -92,9 +92,7 @@ def test_ridges_of_the_start_leave_a_share_of_level_ice(scene: Scene, packed: xr
     names = ("thermodynamics", "snow", "shortwave", "ponds", "ridging", "redistribution")
     column = scene.column.model_copy(update={"scheme": "mushy", "categories": 5})
     block = scene.mask.model_copy(update={"level_share": 0.65})
-    melting = scene.model_copy(
-        update={"effects": (*BARE, *names), "column": column, "mask": block}
-    )
+    melting = scene.model_copy(update={"effects": (*BARE, *names), "column": column, "mask": block})
     state = initial.make_state(melting, packed, None)
     ice = state["ice_fraction"].values > 0.0
     for name in ("level_area", "level_volume"):
