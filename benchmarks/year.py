@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A year of the Arctic beside published figures, and what a day of it costs.
 
-Usage: python benchmarks/year.py [--scene config/scenes/arctic_year.yaml] [--ranks 2] [--keep]
-Runs the scene to its report and prints two tables; with ``--keep`` it reads a run that lies there.
-Writes ``results/benchmarks/year.json``. Wall time wants idle cores.
+Usage: python benchmarks/year.py [--scene FILE] [--ranks 2] [--keep] [--figure FILE]
+Runs the scene to its report and prints two tables; with ``--keep`` it reads a run that lies there,
+with ``--figure`` it draws March, September and the seasons of volume and extent. Writes ``results/benchmarks/year.json``. Wall time wants idle cores.
 """
 
 from __future__ import annotations
@@ -16,11 +16,14 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 
+import cmocean
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 
 from floeflow.core.atomic_write import write_text
 from floeflow.diagnostics import season
+from floeflow.diagnostics.collect import with_shares
 from floeflow.scene import Scene, load_scene
 from floeflow.scene.docs import PROJECT
 from floeflow.state import read_dataset
@@ -115,12 +118,46 @@ def show(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
     print()
 
 
+def draw(folder: Path, path: Path) -> None:
+    """Thickness in March and September, and the months of extent and volume."""
+    grid = read_dataset(folder / "grid.nc")
+    found = season.cycle(grid)
+    months = grid["time"].dt.month.values
+    figure, axes = plt.subplots(1, 3, figsize=(13.0, 4.2), layout="constrained")
+    sides = [float(v) / 1e3 for v in (grid.x.min(), grid.x.max(), grid.y.min(), grid.y.max())]
+    for axis, month, title in zip(axes[:2], (3, 9), ("March", "September"), strict=True):
+        part = grid.isel(time=months == month)
+        share = with_shares(part)["siconc"].fillna(0.0).values.mean(axis=0)
+        ice = np.where(share >= season.EDGE, part["sivol"].mean("time").values, np.nan)
+        axis.set_facecolor("0.75")
+        sea = np.where(grid["sea_area"].values > 0.0, 1.0, np.nan)
+        axis.imshow(sea, extent=sides, origin="lower", cmap="Blues", vmin=0.0, vmax=4.0)
+        drawn = axis.imshow(
+            ice, extent=sides, origin="lower", cmap=cmocean.cm.ice, vmin=0.0, vmax=5.0
+        )
+        axis.set_title(f"{title}: ice volume per area (m)")
+        axis.set_xticks([])
+        axis.set_yticks([])
+    figure.colorbar(drawn, ax=axes[:2], shrink=0.8)
+    numbers = np.arange(len(found.months))
+    axes[2].plot(numbers, found.extent / KM2 / 1e6, "o-", label="extent (million km2)")
+    axes[2].plot(numbers, found.volume / KM3 / 1e3, "s--", label="volume (1000 km3)")
+    for month, whole in EXTENT.items():
+        axes[2].plot(month - 1, whole * INSIDE[month], "k*", markersize=12)
+    axes[2].plot([], [], "k*", label="extent observed, 1979 to 1990")
+    axes[2].set_xticks(numbers, [str(month)[2:] for month in found.months], rotation=90)
+    axes[2].set_ylim(0.0)
+    axes[2].legend(frameon=False)
+    figure.savefig(path, dpi=80)
+
+
 def main() -> None:
     """Run, or read a run, and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--scene", type=Path, default=Path("config/scenes/arctic_year.yaml"))
     parser.add_argument("--ranks", type=int, default=2)
     parser.add_argument("--keep", action="store_true", help="read the run that lies there")
+    parser.add_argument("--figure", type=Path, help="picture of the seasons, PNG")
     chosen = parser.parse_args()
     scene = load_scene(chosen.scene)
     folder = RESULTS / scene.name
@@ -133,6 +170,8 @@ def main() -> None:
     out = RESULTS / "benchmarks" / "year.json"
     out.parent.mkdir(parents=True, exist_ok=True)
     write_text(out, json.dumps(told, indent=1))
+    if chosen.figure:
+        draw(folder, chosen.figure)
     if np.any([row[1] == "not reached" for row in seasons]):
         print("The run ends before some months.")
 

@@ -15,6 +15,8 @@ import pyproj
 import xarray as xr
 from numpy.typing import NDArray
 
+from floeflow.diagnostics.collect import with_shares
+
 Array = NDArray[np.float64]
 
 DAY = 86400.0
@@ -60,7 +62,7 @@ def cycle(grid: xr.Dataset) -> Cycle:
     A month counts with the times of its own that the run has: the first and the last month of a
     run may be short.
     """
-    sea = grid["sea_area"].values
+    grid, sea = with_shares(grid), grid["sea_area"].values
     share, volume = (grid[name].fillna(0.0).values for name in ("siconc", "sivol"))
     area = (share * sea).sum(axis=(1, 2))
     extent = np.where(share >= EDGE, sea, 0.0).sum(axis=(1, 2))

@@ -42,6 +42,15 @@ def test_cycle_of_two_cells() -> None:
     assert season.by_month(found, found.area) == pytest.approx({3: 17e6, 9: 8e6})
 
 
+def test_concentration_in_per_cent_is_read_as_such() -> None:
+    share = np.array([[0.5, 0.1]])
+    grid = grid_of(share, np.ones((1, 2)), ["1982-03-01"])
+    given = grid.assign(siconc=(100.0 * grid["siconc"]).assign_attrs(units="%"))
+    found, told = season.cycle(given), season.cycle(grid)
+    np.testing.assert_allclose([found.area, found.extent], [told.area, told.extent], rtol=1e-12)
+    assert found.extent[0] == 1e7
+
+
 def test_the_central_basin_ends_where_ice_leaves_it() -> None:
     lon, lat = np.array([180.0, 0.0, 0.0, -100.0]), np.array([79.0, 83.0, 86.0, 81.0])
     assert season.central(lon, lat).tolist() == [False, False, True, True]
