@@ -9,12 +9,13 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 
 from floeflow.scene import load_scene, stage_hash
 from floeflow.state import read_dataset, read_state
-from floeflow.state.snapshots import read_snapshots, snapshot
+from floeflow.state.snapshots import BONDED, bonded_length, read_snapshots, snapshot
 from support.runner import Done, Place, bits, digest
 
 pytestmark = pytest.mark.workflow
@@ -51,7 +52,8 @@ def test_windows_alternate_and_add_up(smoke: Done):
 def test_the_last_snapshot_is_the_state(smoke: Done):
     state, last = read_state(smoke.results / "state/0003.nc"), boundaries(smoke.results)[-1]
     assert last.attrs["checksum"] == state.attrs["checksum"]
-    for name in last.data_vars:
+    np.testing.assert_array_equal(last[BONDED].values, bonded_length(state))
+    for name in set(last.data_vars) - {BONDED}:
         assert last[name].values.tobytes() == state[name].values.tobytes(), name
 
 
