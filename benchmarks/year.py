@@ -3,7 +3,8 @@
 
 Usage: python benchmarks/year.py [--scene FILE] [--ranks 2] [--keep] [--figure FILE]
 Runs the scene to its report and prints two tables; with ``--keep`` it reads a run that lies there,
-with ``--figure`` it draws March, September and the seasons of volume and extent. Writes ``results/benchmarks/year.json``. Wall time wants idle cores.
+with ``--figure`` it draws March, September and the seasons of volume and extent. Writes
+``results/benchmarks/year.json``. Wall time wants idle cores.
 """
 
 from __future__ import annotations
