@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """FloeFlow: a sea-ice discrete element model that runs as a workflow.
 
-This package holds the contracts that all stages share: the scene (``config``), the registry of
-``effects``, the ``state`` at a window boundary, the ``bench`` record, and the small services
-(``stage``, ``lock``, ``errors``) through which a rule becomes a program.
+docs/architecture.md has its layers, from ``core`` up to ``cli``.
 """
 
 __version__ = "0.1.0"
+
+# xarray's search for engines loads eccodes, which brings a PROJ of its own. Where that one is there
+# first, pyproj calls into it and fails ("no database context"); this way round both work.
+import pyproj as pyproj
