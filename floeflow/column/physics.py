@@ -59,8 +59,8 @@ class Physics(NamedTuple):
     ponds : bool
         Level-ice melt ponds (Hunke et al. 2013).
     ponds_cover_level : bool
-        Ponds that have water spread over all level ice at each step, with their depth, as in the
-        column physics that made the reference; else they keep their area and water.
+        Ponds as in the column physics that made the reference: those that have water spread over
+        all level ice at each step, with their depth. Else area follows the water.
     flush_time : float
         Time (s) in which at most 0.5 % of the brine of the tightest layer is washed out; 0: a
         step, as in the column physics that made the reference.

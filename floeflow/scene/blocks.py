@@ -528,8 +528,8 @@ class Column(Block):
     )
     pond_scheme: Literal["level", "icepack"] = key(
         "level",
-        "Ponds that keep their area, and flushing limited by the hour; or, to compare with "
-        "Icepack, ponds spread over all level ice and flushing limited by the step, as there.",
+        "Ponds whose area follows their water, and flushing limited by the hour; or, to compare "
+        "with Icepack, ponds spread over all level ice and flushing limited by the step.",
     )
     layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
     step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)
