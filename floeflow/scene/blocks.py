@@ -162,6 +162,14 @@ class Mask(Block):
     snow_thickness: float = key(
         0.2, "Snow on the ice at the start (read with thermodynamics).", "m", ge=0, le=5
     )
+    lead_ice: float = key(
+        0.0,
+        "Thickness of the young ice on the leads of ice of 80 % and more at the start, which "
+        "radiometers take for water in winter; 0: open leads (read with thermodynamics).",
+        "m",
+        ge=0,
+        le=0.3,
+    )
     level_share: float = key(
         1.0,
         "Share of the ice's area that no ridge covers at the start (read with ponds, which lie on "
