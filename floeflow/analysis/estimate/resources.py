@@ -2,10 +2,10 @@
 """What a job asks of a cluster: ranks, memory and time, from the keys of its scene alone.
 
 Every job asks, so no file is read: the ice is taken to fill the domain densely. Memory was measured
-rule by rule (peak resident memory, `cpu/*.json` of a run) with 5,000, 20,000 and 100,000 elements of
-the Arctic, one window of an hour, two ranks; what is asked is that and a margin. Long runs and other
-effects were not measured. Time is the cost model's with a margin for slower machines and for what the model does
-not know. A job that comes again asks for twice as much.
+rule by rule (peak resident memory, ``cpu/*.json`` of a run) with 5,000, 20,000 and 100,000 elements
+of the Arctic, one window of an hour, two ranks; what is asked is that and a margin. Long runs and
+other effects were not measured. Time is the cost model's with a margin for slower machines and for
+what the model does not know. A job that comes again asks for twice as much.
 """
 
 from __future__ import annotations
