@@ -12,11 +12,18 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from floeflow.core.errors import FloeError
-from floeflow.coupling.initial import provenance
 from floeflow.scene import Scene, stage_hash
 
+# Stages on which the state at the start depends.
+START_STAGES = ("land", "mask", "packing", "bonds", "initial")
 # Stages whose keys make a window from the state before it.
 WINDOW_STAGES = ("dynamics", "column", "cure", "forcing")
+
+
+def provenance(scene: Scene) -> str:
+    """Hashes of the scene keys of each stage behind the state at the start, as JSON."""
+    stages = [name for name in START_STAGES if name != "bonds" or "bonds" in scene.effects]
+    return json.dumps({name: stage_hash(scene, name) for name in stages}, sort_keys=True)
 
 
 def window_keys(scene: Scene) -> dict[str, str]:

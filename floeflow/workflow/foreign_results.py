@@ -13,9 +13,11 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from floeflow.core.errors import FloeError
+from floeflow.coupling.origin import check_origin
 from floeflow.scene import Scene
 from floeflow.scene.hashes import STAGE_KEYS, stage_hash
 from floeflow.scene.load import read_resolved
+from floeflow.state import read_state
 from floeflow.workflow.library import library_digest
 
 RECORDS = (Path(".snakemake/metadata"), Path(".snakemake/incomplete"))
@@ -42,14 +44,9 @@ def check_results(scene: Scene, folder: Path, windows: Iterable[str]) -> None:
     """
     states = {window: folder / "state" / f"{window}.nc" for window in windows}
     unknown = {window: path for window, path in states.items() if _is_foreign(path)}
-    if unknown:
-        # These libraries take longer to import than most starts take.
-        from floeflow.coupling.origin import check_origin
-        from floeflow.state import read_state
-
-        for window, path in unknown.items():
-            attrs = read_state(path).attrs
-            check_origin(attrs, path, scene, int(window), library_digest("windows"))
+    for window, path in unknown.items():
+        attrs = read_state(path).attrs
+        check_origin(attrs, path, scene, int(window), library_digest("windows"))
     before = folder / "scene.yaml"
     if _is_foreign(folder / "report.html") and before.is_file():
         old = read_resolved(before)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import floeflow
 from floeflow.core.errors import FloeError
+from floeflow.coupling.resume import file_hash
 
 # Packages behind each stage, beside those that all share. Keys of the scene have hashes of their
 # own, so a new key alone redoes nothing.
@@ -52,7 +53,7 @@ def library_digest(stage: str) -> str:
 
 def made_with(plugin: Path) -> str:
     """Digests of the plugin and of the code that make windows, in one word."""
-    return f"{hashlib.sha256(plugin.read_bytes()).hexdigest()[:16]}-{library_digest('windows')}"
+    return f"{file_hash(plugin)[:16]}-{library_digest('windows')}"
 
 
 def check_made_with(plugin: Path, at_start: str) -> None:

@@ -14,8 +14,7 @@ import yaml
 
 from floeflow.core.errors import FloeError
 from floeflow.coupling.chunk import Chunk, run_chunk
-from floeflow.coupling.initial import provenance
-from floeflow.coupling.origin import window_keys
+from floeflow.coupling.origin import provenance, window_keys
 from floeflow.scene import Scene, parse_scene
 from floeflow.state import write_dataset
 from floeflow.workflow import input_guard
