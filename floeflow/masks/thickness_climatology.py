@@ -2,8 +2,8 @@
 """Thickness of ice by place and day of the year, where a mask has none.
 
 Drawn up in round numbers after Bourke and Garrett (1987), Rothrock et al. (2008) and Worby et al.
-(2008), for the ice of about 1960 to 2000: north of Greenland 5 m, near the Siberian coast 2 m, and
-3.3 m over the year where submarines measured (drafts of 2.97 m from 1975 to 2000).
+(2008), for the ice of about 1960 to 2000: north of Greenland 5 m, near the Siberian coast 2 m, over
+the year within a tenth of the 3.3 m that submarines found from 1975 to 2000 (drafts of 2.97 m).
 Numbers are for the start of a run, not for work on a place or a year.
 """
 

@@ -211,8 +211,15 @@ def test_no_water_is_made_where_an_element_stays(case: tuple) -> None:
     check_state(after)
     assert_kept(wide, after)
     assert int(cells.id[site]) not in after["id"].values
-    places = np.stack([after["x"].values, after["y"].values], axis=1)
-    assert not cKDTree(places).query_pairs(1.0)
+    # Ice of another that enters the cell makes an element there, whose centre is beside the guest's.
+    visitor = int(np.flatnonzero(state["id"].values == cells.id[(site + 1) % len(cells.id)])[0])
+    for axis in ("x", "y"):
+        wide[axis].values[visitor] = wide[axis].values[row]
+    both = remapped(wide, cells)
+    assert int(cells.id[site]) in both["id"].values
+    for made in (after, both):
+        places = np.stack([made["x"].values, made["y"].values], axis=1)
+        assert not cKDTree(places).query_pairs(1.0)
 
 
 def test_ice_that_enters_an_empty_cell_makes_an_element(case: tuple) -> None:
