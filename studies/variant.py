@@ -27,6 +27,7 @@ def main(snakemake: Snakemake) -> None:
         ranks=1,
         cells=Path(str(given.cells)) if given.cells else None,
         library=snakemake.params.library,
+        mask=Path(str(given.mask)) if given.mask else None,
     )
     base = json.loads(Path(str(given.base)).read_text()) if given.base else None
     variant = Variant.from_text(snakemake.params.variant)

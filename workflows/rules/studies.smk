@@ -14,6 +14,7 @@ rule variant:
         cells=made("cells", "preprocess/cells.nc", "remap"),
         forcing=user_forcing,
         plugin=SCENES.plugin,
+        mask=sea_mask,
         base=base_record,
     output:
         record="results/{scene}/record.json",

@@ -211,7 +211,7 @@ def test_no_water_is_made_where_an_element_stays(case: tuple) -> None:
     check_state(after)
     assert_kept(wide, after)
     assert int(cells.id[site]) not in after["id"].values
-    # Ice of another that enters the cell makes an element there, whose centre is beside the guest's.
+    # Ice of another that enters the cell makes an element there, beside the guest's centre.
     visitor = int(np.flatnonzero(state["id"].values == cells.id[(site + 1) % len(cells.id)])[0])
     for axis in ("x", "y"):
         wide[axis].values[visitor] = wide[axis].values[row]
