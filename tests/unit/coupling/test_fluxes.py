@@ -128,6 +128,10 @@ def test_a_scene_of_every_effect_gives_what_its_budget_says(
                 total += float(fluxes[f"tau_{axis}_{name}_outside"][0])
                 right = sign * float(budget[f"impulse_{term}_{axis}"])
                 assert total == pytest.approx(right, rel=1e-9)
+        # Open water has columns of its own: what it got from the air is told as well.
+        heat = float((fluxes["heat_air"][0] * model.get_cell_area()).sum()) * step
+        heat += float(fluxes["heat_air_outside"][0])
+        assert heat == pytest.approx(float(budget["energy_atmosphere"]), rel=1e-9)
         made = set(FIELDS) & set(fluxes)
         assert set(FIELDS) - made <= (set() if scheme == "mushy" else {"light_ocean", "salt_ocean"})
         assert all(np.isfinite(fluxes[name]).all() for name in made)
