@@ -10,11 +10,13 @@ from floeflow.analysis.studies.variants import Variant
 from floeflow.coupling.chunk import Chunk
 from floeflow.diagnostics.diagnostics import write_json
 from floeflow.workflow.job import Snakemake, run_script, scene_folder, scene_of
+from floeflow.workflow.library import check_made_with
 
 
 def main(snakemake: Snakemake) -> None:
     """Run the rule."""
     given, folder = snakemake.input, scene_folder(snakemake)
+    check_made_with(Path(given.plugin), snakemake.params.made_with)
     os.environ["FLOEFLOW_PLUGIN"] = str(Path(given.plugin).resolve())
     chunk = Chunk(
         scene=scene_of(snakemake),

@@ -29,6 +29,7 @@ rule variant:
     params:
         scene_keys=keys_of("dynamics", "column", "cure", "forcing", "initial", "grid"),
         library=library_digest("windows"),
+        made_with=made_with,
         windows=all_windows,
         variant=variant_of,
     message:
