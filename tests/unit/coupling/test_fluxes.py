@@ -217,3 +217,17 @@ def test_the_slab_ocean_loses_what_the_ice_gets(
     with xr.open_dataset(tmp_path / "ice_0002.nc") as data:
         assert data["heat_ocean"].attrs["standard_name"].startswith("heat_flux_into_sea_water")
         assert data["time"].attrs["bounds"] == "time_bounds"
+
+
+def test_a_slab_is_refused_beside_a_sea_of_the_scene_s_own(
+    project: Path, scene_file: Path, tmp_path: Path
+) -> None:
+    module, keys = slab(project), yaml.safe_load(scene_file.read_text())
+    for effects, said in (
+        ([*EFFECTS, "mixed_layer"], "mixed_layer is a sea of its own"),
+        (["wind", "ocean_drag"], "needs the effect thermodynamics"),
+    ):
+        path = tmp_path / "other.yaml"
+        path.write_text(yaml.safe_dump(keys | {"effects": effects}))
+        with pytest.raises(FloeError, match=said):
+            module.couple(module.argparse.Namespace(scene=path))
