@@ -170,8 +170,17 @@ def warnings(
     mask = scene.mask
     if not mask.thickness:
         thick = f"{number(mask.ice_thickness)} m"
-        rule = f"{thick} times concentration" if mask.thickness_rule == "concentration" else thick
+        rule = {
+            "constant": thick,
+            "concentration": f"{thick} times concentration",
+            "climatology": "a table by place and month, times concentration",
+        }[mask.thickness_rule]
         found.append(f"Ice thickness at the start is no observation but a rule: {rule}.")
+    if mask.lead_ice and "thermodynamics" in scene.effects:
+        found.append(
+            f"Leads of ice of 80 % and more bear {number(mask.lead_ice)} m of young ice at the "
+            "start, where the mask has open water."
+        )
     if mask.uniform:
         found.append(f"Ice at the start is no observation: {number(mask.uniform)} of all water.")
     for note in notes:
