@@ -136,7 +136,8 @@ def _bonds(numbers: Mapping[str, Any]) -> Card:
         note += f", {number(numbers['bonds_refrozen'])} froze"
     if numbers.get("bonds_remade"):
         made = numbers["bonds_remade"]
-        note += f", remapping {'made' if made > 0 else 'dropped'} {number(abs(made))}"
+        way = "came" if made > 0 else "went"
+        note += f", {number(abs(made))} {way} with elements that came or went"
     return Card("Bonds alive", number(alive), note, "bonds, bonds_broken in diagnostics.nc")
 
 
@@ -238,7 +239,7 @@ def facts(numbers: Mapping[str, Any], scene: Scene) -> dict[str, list[Fact]]:
         ("Bonds alive at the start", "bonds_start", "bonds"),
         ("Broken by motion", "bonds_broken", "bonds_broken"),
         ("Frozen anew", "bonds_refrozen", "bonds_refrozen"),
-        ("Made (dropped: below 0) by remapping and merging", "bonds_remade", "bonds"),
+        ("Came (went: below 0) with elements that came or went, by remaps, merging or at the sides", "bonds_remade", "bonds"),
         ("Bonds alive at the end", "bonds_end", "bonds"),
     ):
         if key in numbers:
