@@ -239,7 +239,7 @@ def facts(numbers: Mapping[str, Any], scene: Scene) -> dict[str, list[Fact]]:
         ("Bonds alive at the start", "bonds_start", "bonds"),
         ("Broken by motion", "bonds_broken", "bonds_broken"),
         ("Frozen anew", "bonds_refrozen", "bonds_refrozen"),
-        ("Came (went: below 0) with elements that came or went, by remaps, merging or at the sides", "bonds_remade", "bonds"),
+        ("Came or went (below 0) with elements: remaps, merging, sides", "bonds_remade", "bonds"),
         ("Bonds alive at the end", "bonds_end", "bonds"),
     ):
         if key in numbers:
