@@ -10,17 +10,11 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    PrivateAttr,
-    StringConstraints,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import PrivateAttr, StringConstraints, WithJsonSchema, model_validator
 
+from floeflow.scene.block import Block, key
 from floeflow.scene.effects import EFFECTS
+from floeflow.scene.physics import ColumnPhysics
 from floeflow.scene.softness import softened
 
 # A plus sign stands in the names of studies' variants, which no user gives.
@@ -37,27 +31,8 @@ EffectNames = Annotated[
 ]
 
 
-def key(default: Any, text: str, unit: str = "", derived: bool = False, **bounds: Any) -> Any:
-    """Declare a key: its default, one line of help, its unit, its bounds.
-
-    A derived one follows from other keys where it is not named.
-    """
-    extra: dict[str, Any] = {"unit": unit} if unit else {}
-    extra |= {"derived": True} if derived else {}
-    return Field(default, description=text, json_schema_extra=extra or None, **bounds)
-
-
-# No projection of the earth reaches further (m); no path or paragraph is longer.
+# No projection of the earth reaches further (m).
 FARTHEST = 2.0e8
-LONGEST_TEXT = 4000
-
-
-class Block(BaseModel):
-    """A group of keys. Unknown keys and non-finite numbers are refused; values do not change."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, str_max_length=LONGEST_TEXT
-    )
 
 
 class Domain(Block):
@@ -716,6 +691,7 @@ class Scene(Block):
     dynamics: Dynamics = key(Dynamics(), "Which mechanics.")
     walls: Walls = key(Walls(), "Which walls.")
     column: Column = key(Column(), "Which thermodynamics.")
+    physics: ColumnPhysics = key(ColumnPhysics(), "Which constants of the columns.")
     sea: Sea = key(Sea(), "Which sea.")
     rims: Rims = key(Rims(), "What happens at the sides of the rectangle.")
     gates: Gates = key(Gates(), "Where passing ice is counted.")

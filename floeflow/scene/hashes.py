@@ -51,7 +51,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     # What is kept changes no result, so it is in no window's own hash.
     "keep": ("state.keep",),
     "column": (
-        *("effects", "column", "time.window", "rims", "gates"),
+        *("effects", "column", "physics", "time.window", "rims", "gates"),
         *("sea.salinity_time", "sea.relaxation_time"),
     ),
     "grid": ("domain", "effects", "time.start", "time.window", "grid"),

@@ -8,8 +8,8 @@ no turning.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from datetime import datetime
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +48,8 @@ class PointForcing:
         What does not change.
     place : tuple of float or None
         Longitude and latitude (degrees), for the height of the sun.
+    begin : float
+        Time of the record at which a run begins (s).
     """
 
     start: datetime
@@ -55,10 +57,33 @@ class PointForcing:
     series: dict[str, tuple[Array, Array]]
     constant: dict[str, float]
     place: tuple[float, float] | None = None
+    begin: float = 0.0
+
+    @property
+    def first(self) -> datetime:
+        """Time at which a run begins."""
+        return self.start + timedelta(seconds=self.begin)
+
+    def beginning(self, moment: datetime) -> PointForcing:
+        """The same forcing for a run that begins at a moment.
+
+        Raises
+        ------
+        FloeError
+            Where the moment is not within the record.
+        """
+        begin = (moment - self.start).total_seconds()
+        if not 0.0 <= begin < self.length:
+            last = self.start + timedelta(seconds=self.length)
+            raise FloeError(f"--start {moment}: the forcing goes from {self.start} to {last}")
+        return replace(self, begin=begin)
 
     def __call__(self, t: float) -> dict[str, Array]:
-        """Forcing at a time (s), as `floeflow.column.schemes` takes it; the record repeats."""
-        t = t % self.length
+        """Forcing at a time of the run (s), as `floeflow.column.schemes` takes it.
+
+        The record repeats from its first time on.
+        """
+        t = (self.begin + t) % self.length
         values = {n: np.array([np.interp(t, *each)]) for n, each in self.series.items()}
         values |= {name: np.array([value]) for name, value in self.constant.items()}
         speed = values.pop("wind_speed")

@@ -10,8 +10,11 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Sequence
+from datetime import datetime
 from functools import partial
 from pathlib import Path
+
+import yaml
 
 from floeflow.analysis.single_column.forcing_file import PointForcing, read_point
 from floeflow.analysis.single_column.year import run_column, start_columns
@@ -20,7 +23,10 @@ from floeflow.column.schemes import SCHEMES
 from floeflow.core.errors import FloeError, answer
 from floeflow.report.figures.column import column_figure
 from floeflow.report.figures.style import write_png
+from floeflow.scene.checks import LEAST_SALINITY
 from floeflow.scene.effects import EFFECTS
+from floeflow.scene.load import build_scene
+from floeflow.scene.physics import ColumnPhysics
 from floeflow.state import write_dataset
 
 # Processes that need no neighbours.
@@ -68,6 +74,18 @@ def arguments() -> argparse.ArgumentParser:
     add("--ocean-heat-flux", type=float, default=2.0, help="where the file has none (W/m2)")
     add("--friction-velocity", type=float, default=0.005, help="under the ice (m/s)")
     add("--pressure", type=float, default=101325.0, help="where the file has none (Pa)")
+    add(
+        "--start",
+        type=datetime.fromisoformat,
+        help="begin at this time of the forcing, as 2015-03-01T12:00; without: at its first record",
+    )
+    add(
+        "--physics",
+        nargs="+",
+        default=[],
+        metavar="KEY=VALUE",
+        help="keys of a scene's block 'physics', as albedo_ice_visible=0.75 (config/README.md)",
+    )
     add("--output", type=Path, default=Path("column.nc"), help="record, NetCDF")
     add("--figure", type=Path, default=Path("column.png"), help="picture of it, PNG")
     return parser
@@ -92,6 +110,11 @@ def check(given: argparse.Namespace) -> None:
             raise FloeError(f"--{name.replace('_', '-')} must not be below zero")
     if not 0 <= given.fraction <= 1:
         raise FloeError("--fraction must lie between 0 and 1")
+    if given.scheme == "mushy" and given.salinity < LEAST_SALINITY:
+        raise FloeError(
+            f"--salinity must be {LEAST_SALINITY:g} or more with --scheme mushy: fresh water makes "
+            "no mush"
+        )
     if given.ponds and given.scheme == "zero_layer":
         raise FloeError("--ponds needs --scheme bl99 or mushy")
     if given.ponds and "shortwave" in given.without:
@@ -114,7 +137,25 @@ def settings_of(given: argparse.Namespace) -> Settings:
         new_ice_thickness=given.new_ice_thickness,
         ocean_salinity=given.salinity,
         mixed_layer_depth=given.mixed_layer_depth,
+        physics=physics_of(given.physics),
     )
+
+
+def physics_of(words: Sequence[str]) -> ColumnPhysics:
+    """Constants of the command line, checked as those of a scene.
+
+    Raises
+    ------
+    FloeError
+        Names the key.
+    """
+    values = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not equals:
+            raise FloeError(f"--physics {word}: give a key and its value, as emissivity=0.97")
+        values[name] = yaml.safe_load(value)
+    return build_scene({"name": "column", "physics": values}).physics
 
 
 def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
@@ -125,7 +166,8 @@ def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
         "air_pressure": given.pressure,
     }
     place = None if given.lon is None else (given.lon, given.lat)
-    return read_point(given.forcing, settings, constant, place, given.accumulation)
+    forcing = read_point(given.forcing, settings, constant, place, given.accumulation)
+    return forcing if given.start is None else forcing.beginning(given.start)
 
 
 def run(given: argparse.Namespace) -> str:
@@ -139,13 +181,13 @@ def run(given: argparse.Namespace) -> str:
     check(given)
     settings = settings_of(given)
     forcing = forcing_of(given, settings)
-    length = (given.days * DAY or forcing.length) * given.repeat
+    length = (given.days * DAY or forcing.length - forcing.begin) * given.repeat
     surface = float(forcing(0.0)["air_temperature"][0])
     columns = start_columns(settings, given.thickness, given.fraction, given.snow, surface)
     began = time.perf_counter()
     data, worst = run_column(columns, forcing, length, given.every, settings)
     seconds = time.perf_counter() - began
-    data["time"].attrs = {"units": f"seconds since {forcing.start}", "calendar": "standard"}
+    data["time"].attrs = {"units": f"seconds since {forcing.first}", "calendar": "standard"}
     data.attrs = {
         "Conventions": "CF-1.10",
         "title": f"Column of sea ice: {given.scheme}",
@@ -156,7 +198,7 @@ def run(given: argparse.Namespace) -> str:
     write_dataset(data, given.output)
     title = f"{given.scheme}, {settings.categories} categor"
     title += "y" if settings.categories == 1 else "ies"
-    figure = column_figure(data, forcing.start, f"{title}: {given.forcing.name}")
+    figure = column_figure(data, forcing.first, f"{title}: {given.forcing.name}")
     given.figure.parent.mkdir(parents=True, exist_ok=True)
     write_png(figure, given.figure, 150)
     thickness = data["ice_volume"].values

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -176,12 +177,37 @@ def test_bad_forcing_is_one_sentence(tmp_path: Path, change, sentence: str):
         (["--layers", "1"], "--layers must be 2 or more"),
         (["--lon", "3"], "--lon and --lat come together"),
         (["--ponds", "--scheme", "zero_layer"], "--ponds needs --scheme bl99 or mushy"),
+        (["--scheme", "mushy", "--salinity", "0"], "--salinity must be 0.5 or more with --sch"),
         (["--mixed-layer-depth", "nan"], "--mixed-layer-depth must be above zero"),
     ],
 )
 def test_bad_numbers_are_one_sentence(more: list[str], sentence: str):
     with pytest.raises(FloeError, match=sentence):
         check(asked(Path("none.nc"), *more))
+
+
+def test_a_run_begins_within_its_forcing(forcing: Path):
+    given = asked(forcing)
+    later = asked(forcing, "--start", "2020-01-03T06:00")
+    whole, part = (forcing_of(each, settings_of(each)) for each in (given, later))
+    assert part.first == datetime(2020, 1, 3, 6) and part.length == whole.length
+    assert part(3600.0) == whole(2.25 * 86400.0 + 3600.0)
+    outside = asked(forcing, "--start", "2019-12-31")
+    with pytest.raises(FloeError, match="--start 2019-12-31 00:00:00: the forcing goes from 2020"):
+        forcing_of(outside, settings_of(outside))
+
+
+def test_constants_are_those_of_a_scene(forcing: Path):
+    given = asked(forcing, "--physics", "emissivity=0.95", "conductivity=maykut_untersteiner")
+    physics = settings_of(given).physics
+    assert (physics.emissivity, physics.conductivity) == (0.95, "maykut_untersteiner")
+    for words, sentence in (
+        ("emissivity=2", "physics.emissivity"),
+        ("emisivity=0.9", "physics.emisivity"),
+        ("emissivity", "--physics emissivity: give a key and its value"),
+    ):
+        with pytest.raises(FloeError, match=sentence):
+            settings_of(asked(forcing, "--physics", words))
 
 
 def test_light_of_many_directions_asks_for_the_place(forcing: Path):
