@@ -68,6 +68,11 @@ def one_rank(plan: Plan, folder: Path) -> list[Record]:
         for name in ("deterministic", "exact_losses", "ridging")
         for bonds in (False, True)
     }
+    # What wind and water cost, and means of them over discs.
+    options |= {
+        f"driven_{at}": Own(comm, plan.size, folder, bonds=False, friction=True, driven=at)
+        for at in ("centre", "cell")
+    }
     large = {
         "unbonded_friction_10x": Own(comm, plan.large, folder, bonds=False, friction=True),
         "bonded_10x": Own(comm, plan.large, folder, bonds=True, friction=True),
@@ -99,6 +104,7 @@ def one_rank(plan: Plan, folder: Path) -> list[Record]:
             records.append(Record(name, count(plan.size), 1, seconds[name], peer, peers, extra))
         for name, program in options.items():
             peer = "bonded" if name.endswith("_bonded") else "unbonded_friction"
+            peer = "driven_centre" if name == "driven_cell" else peer
             extra = figures(plan.size, program, plan.steps, seconds[name], memory[name])
             peers = seconds[peer]
             records.append(Record(name, count(plan.size), 1, seconds[name], peer, peers, extra))

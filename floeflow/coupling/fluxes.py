@@ -2,7 +2,8 @@
 """What a window gives to ocean and air, on the scene's grid: the way back to a coupled model.
 
 Each element's totals of the window are spread over points of its disc, and each point over the
-four cells around it with the weights by which the forcing is read there: the adjoint of the way in.
+four cells around it with the weights by which the forcing is read there: with ``forcing.at: cell``
+the transpose of the way in.
 What the elements gave is what the cells get, to round-off; what lies beyond the scene's
 rectangle is told apart. Names are CF's; fluxes are means over the window and over the cell.
 """
@@ -15,6 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from floeflow.core.discs import disc_places
 from floeflow.core.grids import Grid, cell_area, scene_crs, scene_grid
 from floeflow.coupling.sea.birth import OpenIce
 from floeflow.scene import Scene
@@ -23,8 +25,6 @@ from floeflow.state.schema import MOBILE
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-# Points of a disc, in a spiral of equal areas (Vogel 1979).
-POINTS = 16
 # Variables: units, CF standard name (empty where CF has none), long name.
 FIELDS: dict[str, tuple[str, str, str]] = {
     "tau_x_ocean": (
@@ -96,10 +96,9 @@ def spread(grid: Grid, x: Array, y: Array, area: Array, totals: Array) -> tuple[
     outside : ndarray
         What lies beyond the grid's rim, (k,).
     """
-    share = (np.arange(POINTS) + 0.5) / POINTS
-    turn = np.arange(POINTS) * np.pi * (3.0 - np.sqrt(5.0))
-    reach = np.sqrt(area / np.pi)[:, None] * np.sqrt(share)
-    px, py = x[:, None] + reach * np.cos(turn), y[:, None] + reach * np.sin(turn)
+    dx, dy = disc_places()
+    radius = np.sqrt(area / np.pi)[:, None]
+    px, py = x[:, None] + radius * dx, y[:, None] + radius * dy
     edges = grid.x_edges, grid.y_edges
     inside = (px >= edges[0][0]) & (px <= edges[0][-1])
     inside &= (py >= edges[1][0]) & (py <= edges[1][-1])
@@ -107,7 +106,7 @@ def spread(grid: Grid, x: Array, y: Array, area: Array, totals: Array) -> tuple[
     rows, north = _between(grid.y, py)
     ny, nx = grid.shape
     cells = np.zeros((len(totals), ny * nx))
-    each = totals / POINTS
+    each = totals / dx.size
     for row, column, weight in (
         (rows, columns, (1 - north) * (1 - east)),
         (rows, columns + 1, (1 - north) * east),

@@ -152,10 +152,14 @@ def without_fixed(elements: Arrays, contacts: Arrays) -> Arrays:
     return {name: values[both] for name, values in contacts.items()}
 
 
-def engine_forcing(forcing: xr.Dataset, needed: tuple[str, ...]) -> Forcing:
+def engine_forcing(scene: Scene, forcing: xr.Dataset, needed: tuple[str, ...]) -> Forcing:
     """Fields that the engine's switches need, from a window's forcing."""
     fields = {name: forcing[name].values for name in needed}
-    return Forcing(forcing["time"].values, forcing["x"].values, forcing["y"].values, fields)
+    return Forcing(
+        *(forcing["time"].values, forcing["x"].values, forcing["y"].values, fields),
+        over_discs=scene.forcing.at == "cell",
+        wind_stress=scene.forcing.wind_mean == "stress",
+    )
 
 
 def move(
@@ -209,7 +213,7 @@ def move(
         start = float(state.attrs["time"])
         engine.load(elements, bonds, contacts, start, held)
         if params.external:
-            engine.set_forcing(engine_forcing(forcing, params.external))
+            engine.set_forcing(engine_forcing(scene, forcing, params.external))
         first = engine.diagnostics()
         _sample(motion, scene, engine.elements(), first, 0.0)
         if walled:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import glob
 import hashlib
 import zipfile
+from collections.abc import Iterable
 from pathlib import Path
 
 from floeflow.core.atomic_write import write_whole
@@ -29,12 +30,23 @@ def forcing_files(scene: Scene) -> list[Path]:
         Where a pattern meets no file, or an archive holds none.
     """
     given = ([scene.forcing.file] if scene.forcing.file else []) + list(scene.forcing.files)
+    return all_files(given, "forcing.files")
+
+
+def all_files(given: Iterable[str], key: str) -> list[Path]:
+    """Files that names and patterns mean, archives unpacked; ``key`` asked for them.
+
+    Raises
+    ------
+    FloeError
+        Where a pattern meets no file, or an archive holds none.
+    """
     found: list[Path] = []
     for entry in given:
         matches = [Path(item) for item in sorted(glob.glob(entry))]
         if not matches:
             if any(sign in entry for sign in "*?["):
-                raise FloeError(f"forcing.files: no file is named as {entry}")
+                raise FloeError(f"{key}: no file is named as {entry}")
             matches = [Path(entry)]
         for path in matches:
             archive = path.suffix.lower() == ".zip" and not path.name.endswith(".zarr.zip")

@@ -30,7 +30,7 @@ from floeflow.forcings.accumulate import Rates
 from floeflow.forcings.climatology import window_forcing
 from floeflow.forcings.moisture import dew_point_humidity, snow_of_precipitation
 from floeflow.forcings.sources import Sources, find_sources, forcing_hints
-from floeflow.forcings.tracks import InputFile, Track, open_files
+from floeflow.forcings.tracks import InputFile, Track, open_files, same_grid
 from floeflow.scene.blocks import Scene
 from floeflow.scene.effects import forcing_variables
 
@@ -179,6 +179,14 @@ def _vector(
     speed = float(np.nanmax(np.abs(fastest), initial=0.0))
     if speed > high:
         raise FloeError(f"{said} reach {speed:g} m/s, above {high:g}: check their units")
+    stress = name == "wind" and places.scene.forcing.wind_mean == "stress"
+    if stress:
+        if not together or not same_grid(*sources):
+            raise FloeError(
+                f"{said} do not stand at the same points, so that the wind's stress there is not "
+                "known: set forcing.wind_mean to velocity"
+            )
+        raw = [np.hypot(*raw) * part for part in raw]
     u, v = np.zeros(1), np.zeros(1)
     for number, (track, plan, values) in enumerate(zip(pair, plans, raw, strict=True)):
         angle = vectors.component_angle(sources[number], places.crs, east_north, number == 1)
@@ -190,6 +198,9 @@ def _vector(
             f"{said} cannot be turned to the axes of '{places.scene.domain.crs}' everywhere in "
             "the scene"
         )
+    if stress:
+        root = np.sqrt(np.hypot(u, v))
+        u, v = (part / np.where(root > 0.0, root, 1.0) for part in (u, v))
     return plans[0].seconds, u, v
 
 
@@ -276,7 +287,8 @@ def describe(item: Track | tuple[Track, Track]) -> str:
     level = first.level()
     kinds = {"mean": "means over time", "sum": "sums over time"}
     extra = [kinds[first.kind]] if first.kind in kinds else []
-    return "; ".join([f"{whole} of {first.path}", *([level] if level else []), *extra])
+    said = [each for each in (level, *extra, first.note()) if each]
+    return "; ".join([f"{whole} of {first.path}", *said])
 
 
 def _derived(made: dict[str, Array]) -> dict[str, Array]:

@@ -89,7 +89,11 @@ class Mask(Block):
     )
     flags: Flags = key(Flags(), "Stored numbers that are no concentration.")
     scale: float = key(
-        0.0, "Share of ice in one count of a file of bare numbers, as a PNG; 0: none.", "1", ge=0
+        0.0,
+        "Share of ice that 1 in the file means, as in a PNG of bare counts, or where units are not "
+        "to be trusted; 0: as its units say.",
+        "1",
+        ge=0,
     )
     days_off: float = key(
         16.0, "A mask further from the scene's start than this is refused.", "day", ge=0
@@ -353,6 +357,16 @@ class Forcing(Block):
         "the day so far (ERA5-Land); empty: hourly records, each of its hour.",
     )
     step: float = key(21600.0, "Time between fields that are not read from a file.", "s", gt=0)
+    at: Literal["centre", "cell"] = key(
+        "centre",
+        "What elements meet of wind, current and weather: what is at their centres, or the means "
+        "over their discs, at some cost (docs/forcing.md).",
+    )
+    wind_mean: Literal["velocity", "stress"] = key(
+        "velocity",
+        "What means of the wind and what lies between its points keep: its velocity, or its stress "
+        "(speed times velocity), which gusts and turns within a cell raise.",
+    )
     cyclone: Cyclone = key(Cyclone(), "Wind of the analytic forcing.")
     gyre: Gyre = key(Gyre(), "Current of the analytic forcing.")
     weather: Weather = key(Weather(), "Weather of the analytic forcing.")

@@ -52,10 +52,11 @@ long long floe_count_wall_contacts(void *instance);                           //
 int floe_get_wall_contacts(void *instance, long long *ids, double *columns);  // local
 int floe_wall_forces(void *instance, double *impulses, double *forces);       // local
 
-// Forcing on a regular grid, copied. velocity: [time][y][x][wind_u wind_v ocean_u ocean_v].
+// Forcing on a regular grid, copied. velocity: [time][y][x][wind_u wind_v ocean_u ocean_v]. With
+// over_discs floes meet means over their discs; with wind_stress the wind is given as |w| w.
 int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
                      double x0, double dx, double y0, double dy, const double *velocity,
-                     const double *coriolis);
+                     const double *coriolis, int over_discs, int wind_stress);
 
 // Sums of this rank: names separated by blanks, and the numbers in that order (local).
 const char *floe_sum_names(void);

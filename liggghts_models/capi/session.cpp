@@ -68,7 +68,7 @@ int floe_set_start_time(void *instance, double seconds) {
 
 int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
                      double x0, double dx, double y0, double dy, const double *velocity,
-                     const double *coriolis) {
+                     const double *coriolis, int over_discs, int wind_stress) {
   return floe::guarded([&] {
     floe::ForcingGrid grid;
     grid.time.assign(time, time + nt);
@@ -80,6 +80,8 @@ int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, c
     grid.ny = static_cast<int>(ny);
     grid.velocity.assign(velocity, velocity + 4 * nt * ny * nx);
     grid.coriolis.assign(coriolis, coriolis + ny * nx);
+    grid.over_discs = over_discs != 0;
+    grid.wind_stress = wind_stress != 0;
     floe::find_parts(lmp_of(instance)).fix->forcing = std::move(grid);
   });
 }

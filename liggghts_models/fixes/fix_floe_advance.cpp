@@ -142,7 +142,7 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     double new_spin;
     if constexpr (External) {
       const double area = ice_area[i] < 0.0 ? M_PI * r * r : ice_area[i];
-      floe::ForcingSample here = floe::sample_forcing(forcing, time, x[i][0], x[i][1]);
+      floe::ForcingSample here = floe::forcing_on(forcing, time, x[i][0], x[i][1], r);
       if (with_variables_) take_variables(i, here);
       out =
           floe::drift_step(law, {u, contact, m, area, here.wind, here.ocean, here.coriolis}, step);

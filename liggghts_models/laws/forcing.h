@@ -3,10 +3,13 @@
 // Wind, current and Coriolis parameter at an element: bilinear in space, linear in time, from a
 // regular grid. The four velocities of a node lie side by side, because they are always read
 // together. Outside of the grid the nearest edge holds; the driver checks that time is covered.
+// At the element's centre, or as the mean over its disc.
 #ifndef FLOE_LAWS_FORCING_H
 #define FLOE_LAWS_FORCING_H
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -27,6 +30,8 @@ struct ForcingGrid {
   int nx = 1, ny = 1;
   std::vector<double> velocity;  // [time][y][x][wind_u, wind_v, ocean_u, ocean_v]
   std::vector<double> coriolis;  // [y][x]
+  bool over_discs = false;       // means over discs, not values at centres
+  bool wind_stress = false;      // wind is stored as |w| w (m2/s2), of which means keep the stress
 };
 
 // Two neighbouring times and the weight of the later one.
@@ -87,6 +92,62 @@ inline ForcingSample sample_forcing(const ForcingGrid &g, const ForcingTime &tim
     f = south + wy * (north - south);
   }
   return {{out[0], out[1]}, {out[2], out[3]}, f, dvdx / g.dx - dudy / g.dy};
+}
+
+// Places on a disc of radius 1 whose mean is that over the disc for polynomials up to degree 7: two
+// rings of Gauss-Legendre in the squared radius, eight places each (floeflow/core/discs.py).
+inline const std::array<Vec2, 16> &disc_places() {
+  static const std::array<Vec2, 16> places = [] {
+    std::array<Vec2, 16> out;
+    for (int k = 0; k < 16; ++k) {
+      const int ring = k / 8;
+      const double r = std::sqrt(0.5 * (1.0 + (ring ? 1.0 : -1.0) / std::sqrt(3.0)));
+      const double angle = 2.0 * M_PI * (k % 8 + 0.5 * ring) / 8.0;
+      out[k] = {r * std::cos(angle), r * std::sin(angle)};
+    }
+    return out;
+  }();
+  return places;
+}
+
+// Whether a disc meets a line of nodes, where fields have their kinks; else its mean is the value at
+// its centre.
+inline bool meets_nodes(double position, double origin, double spacing, int n, double radius) {
+  if (n == 1) return false;
+  const double s = (position - origin) / spacing, reach = radius / spacing;
+  return std::floor(s - reach) != std::floor(s + reach);
+}
+
+inline ForcingSample disc_mean(const ForcingGrid &g, const ForcingTime &time, double x, double y,
+                               double radius) {
+  if (!meets_nodes(x, g.x0, g.dx, g.nx, radius) && !meets_nodes(y, g.y0, g.dy, g.ny, radius)) {
+    return sample_forcing(g, time, x, y);
+  }
+  ForcingSample mean{};
+  for (const Vec2 &at : disc_places()) {
+    const ForcingSample s = sample_forcing(g, time, x + radius * at.x, y + radius * at.y);
+    mean.wind = {mean.wind.x + s.wind.x, mean.wind.y + s.wind.y};
+    mean.ocean = {mean.ocean.x + s.ocean.x, mean.ocean.y + s.ocean.y};
+    mean.coriolis += s.coriolis;
+    mean.vorticity += s.vorticity;
+  }
+  constexpr double share = 1.0 / 16;
+  return {{share * mean.wind.x, share * mean.wind.y},
+          {share * mean.ocean.x, share * mean.ocean.y},
+          share * mean.coriolis,
+          share * mean.vorticity};
+}
+
+// What acts on an element.
+inline ForcingSample forcing_on(const ForcingGrid &g, const ForcingTime &time, double x, double y,
+                                double radius) {
+  ForcingSample out =
+      g.over_discs ? disc_mean(g, time, x, y, radius) : sample_forcing(g, time, x, y);
+  if (g.wind_stress) {
+    const double size = std::sqrt(std::hypot(out.wind.x, out.wind.y));
+    if (size > 0.0) out.wind = {out.wind.x / size, out.wind.y / size};
+  }
+  return out;
 }
 
 }  // namespace floe

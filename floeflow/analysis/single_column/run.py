@@ -21,6 +21,7 @@ from floeflow.analysis.single_column.year import run_column, start_columns
 from floeflow.column.params import Settings
 from floeflow.column.schemes import SCHEMES
 from floeflow.core.errors import FloeError, answer
+from floeflow.forcings.files import all_files
 from floeflow.report.figures.column import column_figure
 from floeflow.report.figures.style import write_png
 from floeflow.scene.checks import LEAST_SALINITY
@@ -45,7 +46,7 @@ def arguments() -> argparse.ArgumentParser:
         description="One column of sea ice and its year.",
     )
     add = parser.add_argument
-    add("forcing", type=Path, help="CF or ERA5-named NetCDF file, see docs/forcing.md")
+    add("forcing", nargs="+", help="files or patterns, at a point or on a map: docs/forcing.md")
     add("--scheme", choices=tuple(SCHEMES), default="bl99", help="vertical thermodynamics")
     add("--categories", type=int, default=1, help="thickness categories")
     add("--layers", type=int, default=7, help="layers of ice (bl99, mushy)")
@@ -166,7 +167,8 @@ def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
         "air_pressure": given.pressure,
     }
     place = None if given.lon is None else (given.lon, given.lat)
-    forcing = read_point(given.forcing, settings, constant, place, given.accumulation)
+    files = all_files(map(str, given.forcing), "floeflow column")
+    forcing = read_point(files, settings, constant, place, given.accumulation)
     return forcing if given.start is None else forcing.beginning(given.start)
 
 
@@ -188,23 +190,24 @@ def run(given: argparse.Namespace) -> str:
     data, worst = run_column(columns, forcing, length, given.every, settings)
     seconds = time.perf_counter() - began
     data["time"].attrs = {"units": f"seconds since {forcing.first}", "calendar": "standard"}
+    files = ", ".join(Path(item).name for item in given.forcing)
     data.attrs = {
         "Conventions": "CF-1.10",
         "title": f"Column of sea ice: {given.scheme}",
         "scheme": given.scheme,
         "processes": " ".join(settings.processes),
-        "forcing": given.forcing.name,
+        "forcing": files,
     }
     write_dataset(data, given.output)
     title = f"{given.scheme}, {settings.categories} categor"
     title += "y" if settings.categories == 1 else "ies"
-    figure = column_figure(data, forcing.first, f"{title}: {given.forcing.name}")
+    figure = column_figure(data, forcing.first, f"{title}: {files}")
     given.figure.parent.mkdir(parents=True, exist_ok=True)
     write_png(figure, given.figure, 150)
     thickness = data["ice_volume"].values
     balance = ", ".join(f"{kind} {left:.1e}" for kind, left in worst.items())
-    return (
-        f"ice {thickness[0]:.2f} m, at most {thickness.max():.2f} m, at least "
+    return "\n".join(forcing.said) + (
+        f"\nice {thickness[0]:.2f} m, at most {thickness.max():.2f} m, at least "
         f"{thickness.min():.2f} m, at the end {thickness[-1]:.2f} m ({seconds:.1f} s)\n"
         f"largest residual of a record (W/m2, kg/m2): {balance}\n"
         f"written: {given.output}, {given.figure}"

@@ -192,6 +192,7 @@ class Engine:
             self._library.floe_set_forcing(
                 *(self._instance, len(time), len(y), len(x), time),
                 *(float(x[0]), spacing[0], float(y[0]), spacing[1], velocity, coriolis),
+                *(forcing.over_discs, forcing.wind_stress),
             )
         )
         self._forcing = forcing

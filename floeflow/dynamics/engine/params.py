@@ -221,12 +221,19 @@ class Forcing:
     fields : dict of ndarray
         wind_u, wind_v, ocean_u, ocean_v (m/s), shape (nt, ny, nx); coriolis (1/s), shape (ny, nx).
         Only those that the switches need.
+    over_discs : bool
+        Whether elements meet means over their discs, else what is at their centres.
+    wind_stress : bool
+        Whether what lies between nodes and times, and means over discs, are those of the wind's
+        stress |w| w, else of its velocity.
     """
 
     time: np.ndarray
     x: np.ndarray
     y: np.ndarray
     fields: dict[str, np.ndarray] = field(default_factory=dict)
+    over_discs: bool = False
+    wind_stress: bool = False
 
     def packed(self, needed: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
         """Arrays for the plugin: velocities (nt, ny, nx, 4) and Coriolis parameter (ny, nx).
@@ -260,6 +267,8 @@ class Forcing:
         for k, name in enumerate(VELOCITIES):
             if name in needed:
                 velocity[..., k] = self.fields[name]
+        if self.wind_stress:
+            velocity[..., :2] *= np.hypot(velocity[..., 0], velocity[..., 1])[..., None]
         coriolis = np.zeros((ny, nx))
         if "coriolis" in needed:
             coriolis[...] = self.fields["coriolis"]

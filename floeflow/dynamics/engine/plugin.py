@@ -72,7 +72,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
         [
             *(ctypes.c_void_p, _COUNT, _COUNT, _COUNT, _NUMBERS),
             *(ctypes.c_double,) * 4,
-            *(_NUMBERS, _NUMBERS),
+            *(_NUMBERS, _NUMBERS, ctypes.c_int, ctypes.c_int),
         ],
     ),
     "floe_sum_names": (ctypes.c_char_p, []),

@@ -128,6 +128,46 @@ def test_the_nearest_point_of_a_grid_is_taken(forcing: Path, tmp_path: Path):
         forcing_of(nowhere, settings_of(nowhere))
 
 
+def test_a_column_reads_as_scenes_do(tmp_path: Path):
+    """Days' means by their bounds, the level at the surface, a curvilinear grid, parts in files."""
+    hourly = era5().drop_vars(["u10", "t2m"])
+    hourly.to_netcdf(tmp_path / "surface.nc")
+    days = np.arange(1.0, 8.0)
+    lat, lon = np.meshgrid([70.0, 75.0, 80.0], [0.0, 20.0, 40.0], indexing="ij")
+    level = np.array([100.0, 500.0, 1000.0])
+    dims = ("time", "level", "j", "i")
+    # Warmer by a degree a day, much colder aloft, 3 degrees warmer at the place that is asked for.
+    warmth = 240.0 + days[:, None, None, None] + 0.05 * (level - 1000.0)[:, None, None]
+    warmth = warmth + np.where((lat == 75.0) & (lon == 20.0), 3.0, 0.0)
+    met = xr.Dataset(
+        {
+            "ta": (dims, warmth, {"standard_name": "air_temperature", "units": "K"}),
+            "ua": (dims, 0 * warmth + 3.0, {"standard_name": "eastward_wind", "units": "m s-1"}),
+            "va": (dims, 0 * warmth, {"standard_name": "northward_wind", "units": "m s-1"}),
+            "time_bnds": (("time", "bnds"), np.stack([days - 1.0, days], axis=1)),
+            "lat2": (("j", "i"), lat, {"units": "degrees_north"}),
+            "lon2": (("j", "i"), lon, {"units": "degrees_east"}),
+        },
+        {
+            "time": ("time", days, {"units": "days since 2020-01-01", "bounds": "time_bnds"}),
+            "level": ("level", level, {"units": "hPa"}),
+        },
+    )
+    met.to_netcdf(tmp_path / "met.nc")
+    files = [str(tmp_path / "m*.nc"), str(tmp_path / "surface.nc")]
+    given = arguments().parse_args([*files, "--lon", "19", "--lat", "76"])
+    forcing = forcing_of(given, settings_of(given))
+    # The mean of the third day stands at its noon.
+    values = forcing(2.5 * 86400.0)
+    assert values["air_temperature"][0] == pytest.approx(246.0, abs=1e-9)
+    assert values["wind_u"][0] == pytest.approx(3.0)
+    said = "\n".join(forcing.said)
+    assert "level = 1000 hPa" in said and "means over time" in said and "dew_point: d2m" in said
+    off = arguments().parse_args([*files, "--lon", "19", "--lat", "-70"])
+    with pytest.raises(FloeError, match="--lat -70 lies off its map; the nearest point is 70.00 N"):
+        forcing_of(off, settings_of(off))
+
+
 def spoil(name: str, value: float) -> Callable[[xr.Dataset], None]:
     def change(data: xr.Dataset) -> None:
         data[name].values[30] = value

@@ -39,6 +39,8 @@ def test_every_case_is_there_with_its_peer_and_its_figures(records: dict[str, An
         "exact_losses_bonded": "bonded",
         "ridging": "unbonded_friction",
         "ridging_bonded": "bonded",
+        "driven_centre": "unbonded_friction",
+        "driven_cell": "driven_centre",
         "unbonded_friction_10x": "unbonded_friction",
         "bonded_10x": "bonded",
         "unbonded_friction_2_ranks": "unbonded_friction",
