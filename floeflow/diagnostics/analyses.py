@@ -156,12 +156,12 @@ class Analyses:
         dims = ("period", "ice")
         rows["period"] = (("period",), np.array(["all", *known]), {})
         rows["ice"] = (("ice",), np.array(KINDS), {})
-        for name, unit, text, values in (
+        for name, unit, text, part in (
             ("wind_factor", "1", "drift over wind (modulus of the complex regression)", "factor"),
             ("wind_turning", "rad", "angle from wind to drift, counted to the left", "turning"),
             ("wind_explained", "1", "share of the variance of drift explained", "explained"),
         ):
-            data = np.array([[getattr(fit, values) for fit in row] for row in fits])
+            data = np.array([[getattr(fit, part) for fit in row] for row in fits])
             rows[name] = (dims, data, {"units": unit, "long_name": text})
         said = {"units": "m2", "long_name": "ice area times windows behind each regression"}
         rows["wind_weight"] = (dims, areas, said)

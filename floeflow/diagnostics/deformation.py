@@ -134,7 +134,7 @@ def box_strain(fine: Strain, size: float) -> Strain:
         return fine
     key = (row - row.min()) * (column.max() - column.min() + 1) + (column - column.min())
     _, group = np.unique(key, return_inverse=True)
-    area = np.bincount(group, fine.area)
+    area = np.asarray(np.bincount(group, fine.area), dtype=np.float64)
     sums = [np.bincount(group, fine.area * part) / area for part in fine.gradients.T]
     x, y = (np.bincount(group, fine.area * place) / area for place in (fine.x, fine.y))
     full = area >= COVERED * size**2

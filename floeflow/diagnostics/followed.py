@@ -42,6 +42,8 @@ class Frame:
         Net displacement of their ice (m); the places themselves where no ice changes elements.
     area, share : ndarray
         Of the elements (m2), and of it under ice (1).
+    velocity : ndarray
+        Of the elements at the boundary (m/s), u + i v.
     """
 
     window: int
@@ -53,6 +55,7 @@ class Frame:
     path_y: Array
     area: Array
     share: Array
+    velocity: NDArray[np.complex128]
 
     @property
     def spacing(self) -> float:
@@ -66,12 +69,18 @@ def frame_of(state: xr.Dataset) -> Frame:
     kept = np.flatnonzero((state["type"].values == MOBILE) & (share >= ICE))
     kept = kept[np.argsort(state["id"].values[kept], kind="stable")]
     paths = ("drift_x", "drift_y") if "drift_x" in state else ("x", "y")
+    x, y, path_x, path_y, area = (state[name].values[kept] for name in ("x", "y", *paths, "area"))
     return Frame(
-        int(state.attrs["window"]),
-        float(state.attrs["time"]),
-        state["id"].values[kept],
-        *(state[name].values[kept] for name in ("x", "y", *paths, "area")),
-        share[kept],
+        window=int(state.attrs["window"]),
+        time=float(state.attrs["time"]),
+        id=state["id"].values[kept],
+        x=x,
+        y=y,
+        path_x=path_x,
+        path_y=path_y,
+        area=area,
+        share=share[kept],
+        velocity=state["u"].values[kept] + 1j * state["v"].values[kept],
     )
 
 

@@ -128,7 +128,7 @@ class Motion:
         step = step_between(before, frame)
         if not step.dx.size:
             return
-        velocity = (step.dx + 1j * step.dy) / step.seconds
+        velocity = np.asarray((step.dx + 1j * step.dy) / step.seconds, dtype=np.complex128)
         self._take_wind(before, frame, step, velocity)
         self._velocities.append((frame.id[step.after], velocity))
         self._correlate()

@@ -156,9 +156,10 @@ def _wind(data: xr.Dataset, start: datetime) -> Made:
     known = share > 0.02
     with look():
         figure = new_figure(6.0, 6.2 if monthly else 3.3)
-        cloud, *rest = np.atleast_1d(
-            figure.subplots(3, 1, height_ratios=(3, 2, 2)) if monthly else figure.subplots()
+        panels = figure.subplots(
+            3 if monthly else 1, 1, squeeze=False, height_ratios=(3, 2, 2) if monthly else None
         )
+        cloud, *rest = panels.ravel().tolist()
         top = max(int(np.flatnonzero(counts.sum(axis=1))[-1]) + 2, 5) if counts.any() else 5
         share_of = counts / max(counts.sum(), 1.0)
         mesh = cloud.pcolormesh(
@@ -366,7 +367,7 @@ def _lags(data: xr.Dataset, start: datetime) -> Made:
     caption = (
         "Autocorrelation of the elements' velocities, means over windows (along: the same "
         "direction, across: turned to the left), and the root mean square by which vectors "
-        "between neighbours change. Elements are followed until a remap. The mean circulation keeps "
-        "the correlation above zero."
+        "between neighbours change. Elements are followed until a remap. The mean circulation "
+        "keeps the correlation above zero."
     )
     return "motion_lags", caption, figure

@@ -19,7 +19,7 @@ from support.synthetic import Run
 def pack(window: int, x: np.ndarray, y: np.ndarray, window_length: float = 86400.0) -> Frame:
     ids = np.arange(x.size) + 1
     area = np.full(x.size, 1e8)
-    return Frame(window, window * window_length, ids, x, y, x, y, area, np.ones(x.size))
+    return Frame(window, window * window_length, ids, x, y, x, y, area, np.ones(x.size), 0j * x)
 
 
 class Steady:
@@ -91,7 +91,7 @@ def test_an_element_that_took_its_neighbour_in_jumps_and_is_left_out():
     one, two = pack(0, x, y), pack(1, x + 3e3, y)
     moved = two.x.copy()
     moved[4] += 5e3
-    jumped = Frame(1, 86400.0, two.id, moved, y, x + 3e3, y, two.area, two.share)
+    jumped = Frame(1, 86400.0, two.id, moved, y, x + 3e3, y, two.area, two.share, two.velocity)
     step = step_between(one, jumped)
     assert 4 not in step.before and step.before.size == 24
     np.testing.assert_allclose(step.dx, 3e3)
