@@ -200,8 +200,8 @@ def lead_errors(
     rms = np.sqrt(squares[:, known] / count[known])
     if free is None:
         rms[METHODS.index("free_drift")] = np.nan
-    lead = np.asarray(known + 1.0, dtype=np.float64)
-    return LeadErrors(lead, count[known], rms, along[:, known] / count[known])
+    leads = np.asarray(known + 1.0, dtype=np.float64)
+    return LeadErrors(leads, count[known], rms, along[:, known] / count[known])
 
 
 @dataclass(frozen=True)

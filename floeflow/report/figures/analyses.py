@@ -55,8 +55,9 @@ def analysis_figures(data: xr.Dataset, start: datetime) -> Iterator[Made]:
     makers: tuple[tuple[str, Callable[[xr.Dataset, datetime], Made]], ...] = (
         ("thickness_area", _thickness),
         ("extent", _edge),
-        ("wind_drift_area", _wind),
+        # Tall ones stand beside tall ones in the page's two columns.
         ("deformation_total", _deformation),
+        ("wind_drift_area", _wind),
         ("scaling_exponent", _scaling),
         ("rate_count", _rates),
         ("lag", _lags),
