@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from datetime import datetime, timedelta
 from pathlib import Path
 
@@ -13,7 +12,7 @@ import xarray as xr
 import yaml
 from scipy.spatial import cKDTree
 
-from floeflow.analysis.observations.compare import Observed, compare
+from floeflow.analysis.observations.compare import STAGES, Observed, compare
 from floeflow.analysis.observations.drift_errors import (
     Carrier,
     at_boundaries,
@@ -24,9 +23,11 @@ from floeflow.analysis.observations.drift_errors import (
 from floeflow.analysis.observations.point_files import read_points
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_crs, to_lonlat
+from floeflow.diagnostics.diagnostics import diagnose, write_json
 from floeflow.diagnostics.followed import frame_of
-from floeflow.state import read_state
-from support.pages import report_of
+from floeflow.diagnostics.study_summaries import read_digest, valid_digests
+from floeflow.scene.hashes import stage_hash
+from floeflow.state import read_state, write_dataset
 from support.synthetic import WINDOW, Run, make_run
 
 START = datetime(2020, 1, 30)
@@ -123,7 +124,9 @@ def test_velocities_stand_in_where_a_remap_cut_the_tracks(run: Run):
 def compared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, str]:
     """A run beside tables and a grid that were made from it."""
     run = make_run(tmp_path_factory.mktemp("compared"))
-    report_of(run)
+    data, numbers = diagnose(run.files, run.scene.effects, run.scene.domain)
+    write_dataset(data, run.folder / "diagnostics.nc")
+    write_json(numbers, run.folder / "diagnostics.json")
     resolved = yaml.safe_dump(run.scene.model_dump(mode="json"))
     (run.folder / "scene.yaml").write_text(resolved)
     crs, start = scene_crs(run.scene.domain), run.scene.time.start
@@ -173,12 +176,16 @@ def test_a_run_agrees_with_what_was_made_from_it(compared: tuple[Run, str]):
     assert "+0.25 m" in said and "3 buoys" in said
 
 
-def test_the_report_shows_the_comparison(compared: tuple[Run, str]):
+def test_the_report_finds_the_comparison(compared: tuple[Run, str]):
     run, _ = compared
-    digest = run.folder / "comparison/digest.json"
-    assert json.loads(digest.read_text())["keys"]
-    page = report_of(run, [digest])
-    assert "Drift error against lead time" in page and "Runs side by side" in page
+    keys = "-".join(stage_hash(run.scene, stage) for stage in STAGES)
+    (path,) = valid_digests(run.folder, keys)
+    digest = read_digest(Path(path))
+    titles = [table["title"] for table in digest["tables"]]
+    assert titles == ["Drift error against lead time", "Runs side by side"]
+    assert {drawing["name"] for drawing in digest["drawings"]} == {
+        *("buoys", "edge", "thickness", "runs")
+    }
 
 
 def test_folders_without_a_finished_run_are_named(tmp_path: Path):
