@@ -111,6 +111,33 @@ def report(
 
 
 @app.command()
+def compare(
+    folder: Annotated[Path, typer.Argument(help="results/<scene> of a run that has ended.")],
+    buoys: Annotated[
+        list[Path] | None, typer.Option(help="CSV of tracks: id, time, lon, lat; IABP; MOSAiC.")
+    ] = None,
+    concentration: Annotated[
+        Path | None, typer.Option(help="Gridded ice concentration with times.")
+    ] = None,
+    variable: Annotated[str, typer.Option(help="Its variable, where no standard name tells.")] = "",
+    crs: Annotated[str, typer.Option(help="Its projection, where the file does not tell.")] = "",
+    thickness: Annotated[
+        list[Path] | None, typer.Option(help="CSV of thickness: time, lon, lat, thickness (m).")
+    ] = None,
+    beside: Annotated[
+        list[Path] | None, typer.Option("--with", help="results/<scene> of another run.")
+    ] = None,
+) -> None:
+    """Compare a run with buoys, concentration and thickness, and with other runs."""
+    # Its figures take a second to import.
+    from floeflow.analysis.observations.compare import Observed
+    from floeflow.analysis.observations.compare import compare as run_compare
+
+    observed = Observed(buoys or (), thickness or (), concentration, variable, crs)
+    _end(partial(run_compare, folder, observed, beside or ()))
+
+
+@app.command()
 def docs(
     write: Annotated[bool, typer.Option(help="Write them; without, only compare.")] = False,
 ) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.core.atomic_write import write_text
+from floeflow.diagnostics.analyses import Analyses
 from floeflow.diagnostics.budgets import (
     Budget,
     column_budgets,
@@ -32,6 +33,7 @@ from floeflow.diagnostics.collect import (
     SIDES,
     bond_counts,
     read_cost,
+    read_grid,
     read_series,
     summarise_grid,
     summarise_states,
@@ -262,6 +264,13 @@ def assemble(
     return data
 
 
+def remapped_windows(scalars: xr.Dataset) -> set[int]:
+    """Windows at whose end ice was remapped between elements."""
+    if "remap_done" not in scalars:
+        return set()
+    return {int(number) for number in scalars["window"].values[scalars["remap_done"].values > 0]}
+
+
 def write_json(data: Mapping[str, Any], path: Path) -> None:
     """Write JSON atomically; numbers that are not finite become null."""
     write_text(json.dumps(_finite(data), indent=1, allow_nan=False) + "\n", path)
@@ -289,6 +298,8 @@ class RunFiles:
         Of the chunks.
     grid : Path or None
         Fields of all boundaries, where the scene has gridded output.
+    last : Path or None
+        The last state, with its bonds.
     """
 
     first: Path
@@ -296,10 +307,22 @@ class RunFiles:
     series: Sequence[Path]
     cost: Sequence[Path]
     grid: Path | None = None
+    last: Path | None = None
+
+
+def analyse(files: RunFiles, analyses: Analyses) -> xr.Dataset:
+    """What goes to ``analyses.nc``, after `diagnose` has gone through the run."""
+    grid = read_grid(files.grid) if files.grid else None
+    states = {"start": read_state(files.first)}
+    states |= {"end": read_state(files.last)} if files.last else {}
+    return analyses.result(grid, states)
 
 
 def diagnose(
-    files: RunFiles, effects: tuple[str, ...], domain: Domain
+    files: RunFiles,
+    effects: tuple[str, ...],
+    domain: Domain,
+    analyses: Analyses | None = None,
 ) -> tuple[xr.Dataset, dict[str, Any]]:
     """Diagnose a run.
 
@@ -311,6 +334,8 @@ def diagnose(
         The scene's effects.
     domain : Domain
         The scene's rectangle.
+    analyses : Analyses, optional
+        Gathers from the states as they are read.
 
     Returns
     -------
@@ -325,6 +350,10 @@ def diagnose(
     samples, scalars = read_series(files.series, effects)
     first = read_state(files.first)
     snapshots = read_snapshots(files.elements)
+    if analyses is not None:
+        analyses.remapped |= remapped_windows(scalars)
+        analyses.take(first)
+        snapshots = analyses.follow(snapshots)
     boundaries, states = summarise_states(first, snapshots, effects, domain)
     if "bonds" in effects:
         boundaries = boundaries.assign(bond_counts(first, samples, scalars))

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 
 from floeflow.diagnostics.collect import displacement
 from floeflow.diagnostics.run_cost import Stage
+from floeflow.report.figures.analyses import analysis_figures
 from floeflow.report.figures.bonds import bond_map, follows_start
 from floeflow.report.figures.budgets import budget_figure
 from floeflow.report.figures.cost import cost_figure
@@ -166,6 +167,12 @@ def series_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Pi
     """Time series that the scene's effects bring."""
     start = f"{scene.time.start:%Y-%m-%d %H:%M}"
     for name, caption, figure in series_figures(data, start, scene.effects):
+        yield easel.chart(name, caption, figure)
+
+
+def analysis_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Picture]:
+    """Analyses of ice and motion, as far as the run supports them."""
+    for name, caption, figure in analysis_figures(data, scene.time.start):
         yield easel.chart(name, caption, figure)
 
 

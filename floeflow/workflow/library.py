@@ -23,7 +23,7 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "initial": ("packings", "column", "coupling"),
     "windows": ("forcings", "column", "dynamics", "transfer", "coupling"),
     "fields": ("transfer", "diagnostics"),
-    "diagnostics": ("diagnostics",),
+    "diagnostics": ("diagnostics", "forcings"),
     "trajectory": ("diagnostics",),
     "mesh": ("diagnostics",),
     "coast": ("packings",),
