@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
-.PHONY: help setup run year test test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
+.PHONY: help setup run year test test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -105,6 +105,9 @@ test-fresh: ## prove `make run` and `make test` in a bare Debian 12 (as root, 3 
 
 lock: ## pin the dependencies anew in setup/requirements.lock
 	@setup/lock.sh
+
+tag: ## tag the last commit as the version in floeflow/__init__.py, if CHANGELOG.md has it
+	@setup/tag.sh
 
 clean: ## remove what was built (results and .venv stay)
 	rm -rf build floeflow.egg-info

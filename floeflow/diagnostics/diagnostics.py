@@ -30,6 +30,7 @@ from floeflow.diagnostics.budgets import (
     total_of,
 )
 from floeflow.diagnostics.collect import (
+    ADDED,
     SIDES,
     bond_counts,
     read_cost,
@@ -251,7 +252,8 @@ def assemble(
             text = f"{kind} of: {budget.label}" if kind == "residual" else f"{budget.label}, rel."
             data[f"{budget.name}_{kind}"] = ((dim,), values, {"units": unit, "long_name": text})
     data["cost_seconds"] = seconds
-    for name, (unit, text) in UNITS.items():
+    added = {name: (unit, text) for name, (_, unit, text) in ADDED.items()}
+    for name, (unit, text) in {**UNITS, **added}.items():
         if name in data:
             data[name].attrs = {"units": unit, "long_name": text}
     for name in ("time", "boundary_time"):

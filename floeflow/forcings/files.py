@@ -17,8 +17,15 @@ UNPACKED = Path("results/inputs")
 
 
 def users_files(scene: Scene) -> tuple[str, ...]:
-    """Files of the user that the forcing is read from; none where it is made by formulae."""
-    return tuple(map(str, forcing_files(scene))) if scene.forcing.source == "file" else ()
+    """Files of the user that a window's forcing is read from, the depth of the sea among them."""
+    files = tuple(map(str, forcing_files(scene))) if scene.forcing.source == "file" else ()
+    return (*files, *depth_files(scene))
+
+
+def depth_files(scene: Scene) -> tuple[str, ...]:
+    """The file of the depth of the sea, of a scene that reads one."""
+    asked = "grounding" in scene.effects and scene.grounding.file
+    return (scene.grounding.file,) if asked else ()
 
 
 def forcing_files(scene: Scene) -> list[Path]:

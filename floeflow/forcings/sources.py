@@ -10,6 +10,7 @@ from floeflow.core import cf_reading as cf
 from floeflow.core.errors import FloeError
 from floeflow.core.input_files import Hints
 from floeflow.forcings import cf_variables as names
+from floeflow.forcings.fixed_fields import FIXED
 from floeflow.forcings.tracks import Clock, InputFile, Track
 from floeflow.scene.blocks import Scene
 from floeflow.scene.effects import forcing_variables
@@ -71,7 +72,7 @@ def find_sources(scene: Scene, files: Sequence[InputFile], advise: bool = True) 
     wanted = dict.fromkeys(
         name.rsplit("_", 1)[0] if name.endswith(("_u", "_v")) else name
         for name in forcing_variables(scene.effects)
-        if name != "coriolis"
+        if name not in FIXED
     )
     for name in wanted:
         if name in names.VECTORS:

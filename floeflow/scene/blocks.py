@@ -601,6 +601,42 @@ class Gates(Block):
     )
 
 
+class Grounding(Block):
+    """Ridges whose keels reach the seabed hold the ice (effect grounding)."""
+
+    file: str = key(
+        "",
+        "File with the depth of the sea, or the height of the ground (below 0 at sea); path from "
+        "the project's folder; empty: depth.",
+    )
+    variable: str = key(
+        "", "Its variable; empty: the one whose standard_name or common name is that of a depth."
+    )
+    crs: str = key("", "Projection of x and y in a file that names none (pyproj name).")
+    depth: float = key(
+        0.0, "Depth of the sea everywhere, where no file is named.", "m", ge=0, le=12_000
+    )
+    keel_ratio: float = key(
+        8.0,
+        "Depth that keels reach, over the mean thickness of ice that covers all (k1 of Lemieux et "
+        "al. 2015).",
+        "1",
+        gt=0,
+        le=100,
+    )
+    strength: float = key(
+        15.0,
+        "Largest seabed stress for each metre of mean thickness above the critical one (k2).",
+        "N/m3",
+        ge=0,
+        le=1e4,
+    )
+    creep: float = key(5.0e-5, "Speed at which half of that stress acts (u0).", "m/s", gt=0, le=1.0)
+    openness: float = key(
+        20.0, "Open water weakens the stress: by exp(-20 (1 - A)) at concentration A.", "1", ge=0
+    )
+
+
 class Remap(Block):
     """When distorted elements are replaced by fresh ones (effect remap)."""
 
@@ -709,6 +745,7 @@ class Scene(Block):
     sea: Sea = key(Sea(), "Which sea.")
     rims: Rims = key(Rims(), "What happens at the sides of the rectangle.")
     gates: Gates = key(Gates(), "Where passing ice is counted.")
+    grounding: Grounding = key(Grounding(), "Where ridges reach the seabed.")
     remap: Remap = key(Remap(), "When elements are remapped.")
     merge: Merge = key(Merge(), "When elements are merged.")
     state: State = key(State(), "How the state is kept.")

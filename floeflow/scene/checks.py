@@ -47,6 +47,8 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("gates.names and gates.lines must be as many")
     if "gates" in scene.effects and not scene.gates.names:
         raise FloeError("effects: 'gates' is named but gates.names names none")
+    if "grounding" in scene.effects and not (scene.grounding.file or scene.grounding.depth):
+        raise FloeError("effects: 'grounding' needs grounding.file or a grounding.depth above 0")
     given = scene.forcing.file or scene.forcing.files
     if scene.forcing.source == "file" and not given:
         raise FloeError("forcing.source is 'file' but forcing.file and forcing.files name none")

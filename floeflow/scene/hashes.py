@@ -26,7 +26,10 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     ),
     "packing": ("seed", "packing", "effects.coast"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
-    "forcing": ("domain", "forcing", "time.start", "time.window", FORCING_VARIABLES),
+    "forcing": (
+        *("domain", "forcing", "time.start", "time.window", "grounding"),
+        FORCING_VARIABLES,
+    ),
     "initial": (
         "time.start",
         "effects",
@@ -41,6 +44,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "dynamics": (
         "effects",
         "dynamics",
+        "grounding",
         "time.window",
         "packing.coast_bonds",
         "state.precision",
@@ -57,7 +61,10 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "grid": ("domain", "effects", "time.start", "time.window", "grid"),
     "diagnostics": ("effects", "domain"),
     "trajectory": ("domain.x_min", "domain.x_max", "domain.y_min", "domain.y_max"),
-    "estimate": ("effects", "domain", "mask", "packing", "forcing", "time", "dynamics", "column"),
+    "estimate": (
+        *("effects", "domain", "mask", "packing", "forcing", "time", "dynamics", "column"),
+        "grounding",
+    ),
     # All that a mesh shows stands in packing and states.
     "mesh": (),
     "report": ("report", "name", "effects", "domain", "time.start", "time.window"),
@@ -80,6 +87,8 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
     data = scene.model_dump(mode="json")
     if "thermodynamics" not in scene.effects:
         data.pop("column")
+    if "grounding" not in scene.effects:
+        data["grounding"] = {}
     values: dict[str, Any] = {}
     for path in STAGE_KEYS[stage]:
         if path == FORCING_VARIABLES:

@@ -21,6 +21,7 @@ import xarray as xr
 from floeflow.core.atomic_write import write_whole
 from floeflow.core.errors import FloeError
 from floeflow.state.file_checksum import check_seal, seal
+from floeflow.state.migrations import migrate
 from floeflow.state.schema import ROUNDED, VARIABLES, check_state
 
 CHECKSUM = "checksum"
@@ -135,6 +136,8 @@ def write_state(
 def read_state(path: str | Path) -> xr.Dataset:
     """Read a state, verify its seal and schema; all floating variables in double precision.
 
+    A state of an older schema version is brought to the present one (`floeflow.state.migrations`).
+
     Raises
     ------
     FloeError
@@ -145,6 +148,7 @@ def read_state(path: str | Path) -> xr.Dataset:
         if name in state and state[name].dtype == np.float32:
             state[name] = state[name].astype(np.float64)
     try:
+        state = migrate(state)
         check_state(state)
     except FloeError as error:
         raise FloeError(f"{path}: {error}") from None

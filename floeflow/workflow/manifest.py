@@ -20,7 +20,7 @@ from typing import Any
 
 from floeflow.core.atomic_write import write_text
 from floeflow.coupling.resume import file_hash
-from floeflow.forcings.files import forcing_files
+from floeflow.forcings.files import depth_files, forcing_files
 from floeflow.scene import Scene
 from floeflow.state import read_state
 from floeflow.workflow.library import PACKAGES, library_digest
@@ -41,6 +41,7 @@ def input_files(scene: Scene) -> list[str]:
         mask.shoreline,
         mask.region if mask.region.endswith("json") else "",
         *forcing_files(scene),
+        *depth_files(scene),
         scene.sea.file,
         scene.walls.mesh if "walls" in scene.effects else "",
     ]

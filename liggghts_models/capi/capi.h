@@ -57,6 +57,8 @@ int floe_wall_forces(void *instance, double *impulses, double *forces);       //
 int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
                      double x0, double dx, double y0, double dy, const double *velocity,
                      const double *coriolis, int over_discs, int wind_stress);
+// Depth of the sea (m) on the grid of the forcing that was set before, copied: [y][x] (local).
+int floe_set_depth(void *instance, const double *depth);
 
 // Sums of this rank: names separated by blanks, and the numbers in that order (local).
 const char *floe_sum_names(void);

@@ -86,6 +86,13 @@ int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, c
   });
 }
 
+int floe_set_depth(void *instance, const double *depth) {
+  return floe::guarded([&] {
+    floe::ForcingGrid &grid = floe::find_parts(lmp_of(instance)).fix->forcing;
+    grid.depth.assign(depth, depth + grid.coriolis.size());
+  });
+}
+
 const char *floe_sum_names(void) {
   static const std::string names = [] {
     std::string out;

@@ -29,6 +29,12 @@ void add_external(floe::Ledger &sum, const floe::DriftStep &step, floe::Vec2 mea
   sum.impulse_tilt_y += step.tilt.y;
 }
 
+void add_seabed(floe::SeabedLedger &sum, floe::Vec2 impulse, floe::Vec2 mean) {
+  sum.impulse_x += impulse.x;
+  sum.impulse_y += impulse.y;
+  sum.dissipation -= impulse.x * mean.x + impulse.y * mean.y;
+}
+
 }  // namespace
 
 void FixFloeIntegrate::write_forces() {
@@ -76,7 +82,7 @@ floe::DampingWork FixFloeIntegrate::damping_to_now() const {
 
 void FixFloeIntegrate::initial_integrate(int) {
   if (with_variables_) sample_variables();
-  if (law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt)
+  if (law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt || seabed.use)
     advance<true>();
   else
     advance<false>();
@@ -121,6 +127,7 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
   const int *type = atom->type, *mask = atom->mask;
   const double step = update->dt;
   const bool exact = !damped_contact.empty();
+  const bool grounds = seabed.use && !forcing.depth.empty();
 
   for (int i = first; i < last; ++i) {
     if (!(mask[i] & groupbit)) {
@@ -139,13 +146,15 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     const Vec2 u{v[i][0], v[i][1]};
     const double m = mass[i], r = radius[i], spin = omega[i][2];
     floe::DriftStep out;
-    double new_spin;
+    double new_spin, limit = 0.0;
     if constexpr (External) {
       const double area = ice_area[i] < 0.0 ? M_PI * r * r : ice_area[i];
       floe::ForcingSample here = floe::forcing_on(forcing, time, x[i][0], x[i][1], r);
       if (with_variables_) take_variables(i, here);
-      out =
-          floe::drift_step(law, {u, contact, m, area, here.wind, here.ocean, here.coriolis}, step);
+      const floe::DriftInput in{u, contact, m, area, here.wind, here.ocean, here.coriolis};
+      if (grounds) limit = floe::seabed_limit(seabed, thickness[i], cover[i], area, here.depth);
+      out = limit > 0.0 ? floe::grounded_step(law, in, limit, seabed.creep, step)
+                        : floe::drift_step(law, in, step);
       new_spin =
           floe::spin_step(law.use_ocean, law.water, spin, torque, m, r, area, here.vorticity, step);
     } else {
@@ -168,6 +177,7 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     if (exact) count_damping(i, u, out.u_new, spin, new_spin, sum);
     if constexpr (External) {
       add_external(sum, out, mean);
+      if (limit > 0.0) add_seabed(seabed_ledger, out.seabed, mean);
       double *const given = impulse[i];
       given[0] += out.wind.x;
       given[1] += out.wind.y;

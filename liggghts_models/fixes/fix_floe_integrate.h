@@ -18,6 +18,7 @@
 #include "fix.h"
 #include "forcing.h"
 #include "ledger.h"
+#include "seabed.h"
 
 namespace floe {
 class PairFloe;
@@ -95,10 +96,12 @@ class FixFloeIntegrate : public Fix {
   bool use_orientation;  // false where no bond needs cosine and sine
 
   floe::DriftLaw law;
+  floe::SeabedLaw seabed;
   floe::ForcingGrid forcing;
   double start_time;           // s, time of step 0 on the forcing's axis
   double step_length() const;  // s
   floe::Ledger ledger;
+  floe::SeabedLedger seabed_ledger;
   floe::Fault fault;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
-// Wind, current and Coriolis parameter at an element: bilinear in space, linear in time, from a
-// regular grid. The four velocities of a node lie side by side, because they are always read
+// Wind, current, Coriolis parameter and depth of the sea at an element: bilinear in space, linear in
+// time, from a regular grid. The four velocities of a node lie side by side, because they are always read
 // together. Outside of the grid the nearest edge holds; the driver checks that time is covered.
 // At the element's centre, or as the mean over its disc.
 #ifndef FLOE_LAWS_FORCING_H
@@ -21,6 +21,7 @@ struct ForcingSample {
   Vec2 wind, ocean;  // m/s
   double coriolis;   // 1/s
   double vorticity;  // of the ocean current, 1/s
+  double depth;      // of the sea, m; 0 where it is not given
 };
 
 struct ForcingGrid {
@@ -30,6 +31,7 @@ struct ForcingGrid {
   int nx = 1, ny = 1;
   std::vector<double> velocity;  // [time][y][x][wind_u, wind_v, ocean_u, ocean_v]
   std::vector<double> coriolis;  // [y][x]
+  std::vector<double> depth;     // [y][x], m; empty where no effect reads it
   bool over_discs = false;       // means over discs, not values at centres
   bool wind_stress = false;      // wind is stored as |w| w (m2/s2), of which means keep the stress
 };
@@ -84,14 +86,18 @@ inline ForcingSample sample_forcing(const ForcingGrid &g, const ForcingTime &tim
   }
   const double dvdx = (v[1][3] - v[0][3]) + wy * ((v[3][3] - v[2][3]) - (v[1][3] - v[0][3]));
   const double dudy = (v[2][2] - v[0][2]) + wx * ((v[3][2] - v[1][2]) - (v[2][2] - v[0][2]));
-  double f = 0.0;
-  if (!g.coriolis.empty()) {
-    const double *c = g.coriolis.data();
+  const auto steady = [&](const std::vector<double> &field) {
+    if (field.empty()) return 0.0;
+    const double *c = field.data();
     const double south = c[node[0]] + wx * (c[node[1]] - c[node[0]]);
     const double north = c[node[2]] + wx * (c[node[3]] - c[node[2]]);
-    f = south + wy * (north - south);
-  }
-  return {{out[0], out[1]}, {out[2], out[3]}, f, dvdx / g.dx - dudy / g.dy};
+    return south + wy * (north - south);
+  };
+  return {{out[0], out[1]},
+          {out[2], out[3]},
+          steady(g.coriolis),
+          dvdx / g.dx - dudy / g.dy,
+          steady(g.depth)};
 }
 
 // Places on a disc of radius 1 whose mean is that over the disc for polynomials up to degree 7: two
@@ -130,12 +136,14 @@ inline ForcingSample disc_mean(const ForcingGrid &g, const ForcingTime &time, do
     mean.ocean = {mean.ocean.x + s.ocean.x, mean.ocean.y + s.ocean.y};
     mean.coriolis += s.coriolis;
     mean.vorticity += s.vorticity;
+    mean.depth += s.depth;
   }
   constexpr double share = 1.0 / 16;
   return {{share * mean.wind.x, share * mean.wind.y},
           {share * mean.ocean.x, share * mean.ocean.y},
           share * mean.coriolis,
-          share * mean.vorticity};
+          share * mean.vorticity,
+          share * mean.depth};
 }
 
 // What acts on an element.

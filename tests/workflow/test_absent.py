@@ -31,13 +31,21 @@ BARE = ("wind",)
 COLUMN = {"scheme": "mushy", "categories": 2}
 # Along a meridian through the middle of the scene.
 GATES = {"names": ["middle"], "lines": [[-127.0, 80.0, -127.0, 65.0]]}
+# Shallow enough for the scene's ridges.
+GROUNDING = {"depth": 10.0}
+KEYS = {
+    "time": {"windows": 1},
+    "column": COLUMN,
+    "gates": GATES,
+    "grounding": GROUNDING,
+}
 # Of two effects that exclude each other only the first can be in a run.
 EVERY = compatible(EFFECTS)
 
 
 def planned_rules(place: Place, effects: tuple[str, ...]) -> set[str]:
     """Rules that `snakemake -n` would run."""
-    scene = place.scene(effects=list(effects), time={"windows": 1}, column=COLUMN, gates=GATES)
+    scene = place.scene(effects=list(effects), **KEYS)
     return set(place.planned(scene))
 
 
@@ -49,7 +57,7 @@ def figures(results: Path) -> set[str]:
 
 def run_with(folder: Path, effects: tuple[str, ...]) -> Done:
     place = make_place(folder / "place")
-    scene = place.scene(effects=list(effects), time={"windows": 1}, column=COLUMN, gates=GATES)
+    scene = place.scene(effects=list(effects), **KEYS)
     done = place.run(scene, ranks=1)
     assert done.returncode == 0, done.stdout
     return Done(place, scene, done.stdout)

@@ -80,6 +80,12 @@ def tilt(c: Conditions) -> float:
     return _over(c.mass * abs(c.coriolis) * c.current, c.wind_stress)
 
 
+@number_of("grounding")
+def grounding(c: Conditions) -> float:
+    """Share of the ice that the seabed can hold against the mean wind."""
+    return c.grounded_share
+
+
 @number_of("friction")
 def friction(c: Conditions) -> float:
     """μ κ: friction times compaction, 0 for floes apart and 1 for a jammed pack."""

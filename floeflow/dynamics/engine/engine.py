@@ -184,17 +184,19 @@ class Engine:
         FloeError
             If a field that the switches need is missing, misshapen or not finite.
         """
-        velocity, coriolis = forcing.packed(self.params.external)
+        velocity, steady = forcing.packed(self.params.external)
         x, y = np.asarray(forcing.x, float), np.asarray(forcing.y, float)
         time = np.ascontiguousarray(forcing.time, dtype=float)
         spacing = [float(a[-1] - a[0]) / (len(a) - 1) if len(a) > 1 else 1.0 for a in (x, y)]
         self._check(
             self._library.floe_set_forcing(
                 *(self._instance, len(time), len(y), len(x), time),
-                *(float(x[0]), spacing[0], float(y[0]), spacing[1], velocity, coriolis),
-                *(forcing.over_discs, forcing.wind_stress),
+                *(float(x[0]), spacing[0], float(y[0]), spacing[1], velocity),
+                *(steady["coriolis"], forcing.over_discs, forcing.wind_stress),
             )
         )
+        if "sea_floor_depth" in steady:
+            self._library.floe_set_depth(self._instance, steady["sea_floor_depth"])
         self._forcing = forcing
 
     def run(self, steps: int) -> None:

@@ -75,6 +75,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
             *(_NUMBERS, _NUMBERS, ctypes.c_int, ctypes.c_int),
         ],
     ),
+    "floe_set_depth": (_DONE, [ctypes.c_void_p, _NUMBERS]),
     "floe_sum_names": (ctypes.c_char_p, []),
     "floe_sums": (ctypes.c_int, [ctypes.c_void_p, _NUMBERS, ctypes.c_int]),
     "floe_fault": (_DONE, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
