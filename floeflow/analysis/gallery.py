@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from floeflow.coupling.compaction import compactor
+from floeflow.coupling.initial_walls import scene_walls
 from floeflow.masks.land import make_land
 from floeflow.masks.mask import make_mask
 from floeflow.packings.bonds import make_bonds
@@ -116,9 +117,10 @@ def packed(scene: Scene) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset | None]:
         land = make_land(scene)["land"].values.astype(float)
     mask = make_mask(scene, land)
     with tempfile.TemporaryDirectory() as folder:
-        compact = compactor(grid_of(mask), Path(folder))
+        walls = scene_walls(scene)
+        compact = compactor(grid_of(mask), Path(folder), walls)
         coast = "coast" in scene.effects
-        packing = make_packing(mask, scene.packing, scene.seed, coast, compact)
+        packing = make_packing(mask, scene.packing, scene.seed, coast, compact, walls)
     if "bonds" not in scene.effects:
         return mask, packing, None
     keys = scene.packing

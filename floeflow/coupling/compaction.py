@@ -166,8 +166,11 @@ def _wrapped(places: Array, box: Box) -> Array:
     return low + np.mod(places - low, high - low)
 
 
-def compactor(grid: Grid, folder: Path) -> Compactor:
-    """Compaction by the element model within the rectangle of a grid."""
+def compactor(grid: Grid, folder: Path, walls: Arrays | None = None) -> Compactor:
+    """Compaction by the element model within the rectangle of a grid, and walls that stand in it.
+
+    Walls are taken where they are at time 0, at rest.
+    """
     (west, east), (south, north) = grid.x_edges[[0, -1]], grid.y_edges[[0, -1]]
     low, high = (float(west), float(south)), (float(east), float(north))
     sides = [
@@ -176,11 +179,15 @@ def compactor(grid: Grid, folder: Path) -> Compactor:
         plane(*high, (-1.0, 0.0)),
         plane(*high, (0.0, -1.0)),
     ]
-    walls = join(sides)
+    if walls is not None:
+        # Those of the rectangle's rim are there already.
+        at_rest = walls | {"u": np.zeros(len(walls["u"])), "v": np.zeros(len(walls["v"]))}
+        sides.append(at_rest)
+    held = join(sides)
 
     def run(
         places: Array, radius: Array, fixed: Array, fixed_radius: Array, overlap: float
     ) -> Array:
-        return compact(places, radius, Box(fixed, fixed_radius, walls), overlap, folder).places
+        return compact(places, radius, Box(fixed, fixed_radius, held), overlap, folder).places
 
     return run

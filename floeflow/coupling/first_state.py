@@ -10,6 +10,7 @@ import xarray as xr
 
 from floeflow.coupling.compaction import compactor
 from floeflow.coupling.initial import make_state
+from floeflow.coupling.initial_walls import scene_walls
 from floeflow.masks.land import make_land
 from floeflow.masks.mask import make_mask
 from floeflow.packings.bonds import make_bonds
@@ -55,8 +56,9 @@ def first_state(scene: Scene, scratch: Path) -> First:
     if scene.mask.land == "global_land_mask":
         land = make_land(scene)["land_fraction"].values
     mask = make_mask(scene, land)
-    keys, coast = scene.packing, "coast" in scene.effects
-    packing = make_packing(mask, keys, scene.seed, coast, compactor(grid_of(mask), scratch))
+    keys, coast, walls = scene.packing, "coast" in scene.effects, scene_walls(scene)
+    compact = compactor(grid_of(mask), scratch, walls)
+    packing = make_packing(mask, keys, scene.seed, coast, compact, walls)
     bonds = None
     if "bonds" in scene.effects:
         bonds = make_bonds(packing, keys.bond_gap, keys.bond_concentration, keys.coast_bonds)

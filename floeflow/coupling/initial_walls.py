@@ -54,6 +54,12 @@ def make_walls(scene: Scene) -> list[Arrays]:
     return walls
 
 
+def scene_walls(scene: Scene) -> Arrays | None:
+    """Faces of all walls that a scene names, or None."""
+    walls = make_walls(scene)
+    return join(walls) if walls else None
+
+
 def cut(points: NDArray[np.float64], triangles: NDArray[np.int64], name: str) -> np.ndarray:
     """Lines in which triangles cut the plane of the ice, z = 0.
 

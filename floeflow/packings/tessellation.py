@@ -169,14 +169,10 @@ def overlay(polygons: NDArray[np.object_], grid: Grid, ice: Flags) -> Overlay:
         Mask grid and its ice cells.
     """
     start, ring = rings_of(polygons)
-    element, cell = _near_cells(grid, ice, shapely.bounds(polygons))
+    element, cell = touched(grid, ice, shapely.bounds(polygons))
     cells, box = np.unique(cell, return_inverse=True)
-    row, column = np.divmod(cells, grid.x.size)
-    x, y = grid.x_edges, grid.y_edges
-    west, south, east, north = x[column], y[row], x[column + 1], y[row + 1]
-    corners = np.stack([west, south, east, south, east, north, west, north], axis=1)
-    fours = 4 * np.arange(cells.size + 1)
-    area, _ = shared(fours, corners.reshape(-1, 2), start, ring, box, element)
+    fours, corners = cell_corners(grid, cells)
+    area, _ = shared(fours, corners, start, ring, box, element)
     some = area > 0
     element, box, area = element[some], box[some], area[some]
     total = np.bincount(box, weights=area, minlength=cells.size)
@@ -184,8 +180,17 @@ def overlay(polygons: NDArray[np.object_], grid: Grid, ice: Flags) -> Overlay:
     return Overlay(element, cells[box], area * scale[box], float(np.abs(scale - 1.0).max()))
 
 
-def _near_cells(grid: Grid, ice: Flags, bounds: Array) -> tuple[Index, Index]:
-    """Pairs of polygon and flat ice cell whose rectangles meet, sorted."""
+def cell_corners(grid: Grid, cells: Index) -> tuple[Index, Array]:
+    """Squares of mask cells, given by flat index, as open rings: starts, and corners (m)."""
+    row, column = np.divmod(cells, grid.x.size)
+    x, y = grid.x_edges, grid.y_edges
+    west, south, east, north = x[column], y[row], x[column + 1], y[row + 1]
+    corners = np.stack([west, south, east, south, east, north, west, north], axis=1)
+    return 4 * np.arange(cells.size + 1), corners.reshape(-1, 2)
+
+
+def touched(grid: Grid, ice: Flags, bounds: Array) -> tuple[Index, Index]:
+    """Pairs of rectangle (west, south, east, north) and flat flagged cell that meet, sorted."""
     first_row, first_column = grid.cell_of(bounds[:, 0], bounds[:, 1])
     last_row, last_column = grid.cell_of(bounds[:, 2], bounds[:, 3])
     wide = last_column - first_column + 1

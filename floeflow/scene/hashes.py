@@ -24,7 +24,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
         *("domain", "mask", "packing.generator", "time.start", "effects.mixed_layer"),
         *("sea.file", "sea.temperature", "sea.salinity"),
     ),
-    "packing": ("seed", "packing", "effects.coast"),
+    "packing": ("seed", "packing", "effects.coast", "effects.walls", "walls"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
     "forcing": ("domain", "forcing", "time.start", "time.window", FORCING_VARIABLES),
     "initial": (
@@ -80,6 +80,8 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
     data = scene.model_dump(mode="json")
     if "thermodynamics" not in scene.effects:
         data.pop("column")
+    if "walls" not in scene.effects:
+        data["walls"] = {}
     values: dict[str, Any] = {}
     for path in STAGE_KEYS[stage]:
         if path == FORCING_VARIABLES:
