@@ -534,10 +534,10 @@ class Column(Block):
     light: Literal["ccsm3", "delta_eddington"] = key(
         "ccsm3", "Light in snow and ice (bl99, mushy): of CCSM3, or of many directions."
     )
-    pond_scheme: Literal["level", "icepack"] = key(
-        "level",
-        "Ponds whose area follows their water, and flushing limited by the hour; or, to compare "
-        "with Icepack, ponds spread over all level ice and flushing limited by the step.",
+    variant: Literal["convergent", "icepack"] = key(
+        "convergent",
+        "Ponds, flushing and light in melting layers (bl99, mushy) in a form that converges with "
+        "step, layers and categories; or as in Icepack, to compare (docs/theory/column_ponds.md).",
     )
     layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
     step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)

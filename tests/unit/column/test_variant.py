@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Area follows the water of ponds; nothing depends on the number of categories or the step."""
+"""Melt converges with step and layers; area follows the water of ponds."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numba import njit
@@ -59,9 +60,27 @@ def summer(settings: Settings) -> tuple[float, float]:
 
 def test_ponds_spread_over_all_ice_in_the_way_of_icepack_alone() -> None:
     _, share = summer(SETTINGS)
-    _, spread = summer(replace(SETTINGS, pond_scheme="icepack"))
+    _, spread = summer(replace(SETTINGS, variant="icepack"))
     assert spread > 0.9
     assert 0.15 < share < 0.35  # of the ice in constant melt; SHEBA had 0.24 at most
+
+
+@pytest.mark.parametrize("categories", [1, 5])
+def test_melt_does_not_depend_on_the_step(categories: int) -> None:
+    settings = replace(SETTINGS, categories=categories)
+    hours, _ = summer(settings)
+    quarters, _ = summer(replace(settings, step=900.0))
+    assert abs(hours - quarters) < 0.01 * (2.0 - quarters)
+
+
+@pytest.mark.parametrize("categories", [1, 5])
+def test_melt_converges_with_the_layers(categories: int) -> None:
+    few, usual, many, most = (
+        2.0 - summer(replace(SETTINGS, categories=categories, layers=layers))[0]
+        for layers in (4, 7, 14, 28)
+    )
+    assert 0.0 < most - many < 0.75 * (many - usual) < 0.75 * (usual - few)
+    assert most - usual < 0.25 * most
 
 
 @njit
