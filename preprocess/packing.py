@@ -4,10 +4,10 @@
 from pathlib import Path
 
 from floeflow.coupling.compaction import compactor
-from floeflow.coupling.initial_walls import scene_walls
 from floeflow.packings.elements import grid_of
 from floeflow.packings.packing import make_packing
 from floeflow.state import read_dataset, write_dataset
+from floeflow.state.scene_walls import scene_walls
 from floeflow.workflow.job import Snakemake, run_script, scene_of
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from floeflow.packings.lines import diagram_around, disc_lines
 from floeflow.state.bonds import new_bonds
@@ -56,7 +57,9 @@ def coast_edges(packing: xr.Dataset) -> Edges:
     """Edges between mobile and coast elements in the tessellation of both.
 
     They pass between the discs. Each is cut to the width of its smaller disc, about the line of
-    centres: at the end of a coast the tessellation alone would draw it far out to sea.
+    centres: at the end of a coast the tessellation alone would draw it far out to sea. The
+    tessellation takes discs of the coast no larger than do not overlap each other, so that each
+    has its part of the coast.
     """
     radius = packing["radius"].values
     coast = packing["type"].values == COAST
@@ -64,7 +67,11 @@ def coast_edges(packing: xr.Dataset) -> Edges:
         none = np.empty(0, dtype=np.int64)
         return Edges(none, none, np.empty((0, 4)))
     places = np.stack([packing["x"].values, packing["y"].values], axis=1)
-    diagram = diagram_around(places, radius)
+    smaller = radius.copy()
+    if coast.sum() > 1:
+        beside = cKDTree(places[coast]).query(places[coast], k=2)[0][:, 1]
+        smaller[coast] = np.minimum(radius[coast], 0.5 * beside)
+    diagram = diagram_around(places, smaller)
     both = coast[diagram.lo] != coast[diagram.hi]
     lo, hi, ends = disc_lines(diagram, places, radius, both)
     return Edges(lo, hi, ends.reshape(-1, 4))

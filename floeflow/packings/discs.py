@@ -181,6 +181,35 @@ def off_coast(points: Array, largest: Array, mean: Array, shore: Shore) -> Array
     return np.minimum(largest, room)
 
 
+def coast_at_ice(points: Array, radius: Array, mobile: int, largest: Array) -> Array:
+    """Radii with which the coast's discs reach the ice beside them, where that is near enough.
+
+    Ice ends at the coast's line and coast elements stand behind it. They touch the ice, so that it
+    can freeze to them; they may overlap each other, as they never move.
+
+    Parameters
+    ----------
+    points, radius : ndarray
+        Discs (m), (n, 2) and (n,); those from row `mobile` on are the coast's.
+    mobile : int
+        How many are ice.
+    largest : ndarray
+        Upper limits of the coast's radii (m), (n - mobile,).
+    """
+    out = radius.copy()
+    if mobile in (0, len(points)):
+        return out
+    ice, coast = cKDTree(points[:mobile]), cKDTree(points[mobile:])
+    reach = float(largest.max() + radius[:mobile].max())
+    near = coast.sparse_distance_matrix(ice, reach, output_type="ndarray")
+    room = np.full(len(points) - mobile, np.inf)
+    np.minimum.at(room, near["i"], near["v"] - radius[near["j"]])
+    touching = room <= largest
+    grown = np.maximum(room * (1.0 - ROUND_OFF), out[mobile:])
+    out[mobile:] = np.where(touching, grown, out[mobile:])
+    return out
+
+
 def apart(points: Array, radius: Array, mobile: int) -> Array:
     """Radii of overlapping discs shortened until none overlaps, each by half its deepest overlap.
 

@@ -27,7 +27,7 @@ from floeflow.packings.elements import (
 )
 from floeflow.packings.floes import floe_discs
 from floeflow.packings.quality import LABELS, PREFIX, quality
-from floeflow.packings.shore import Shore, before_walls, shore_of
+from floeflow.packings.shore import Shore, shore_of
 from floeflow.packings.sizes import relative_size
 from floeflow.scene.blocks import Packing
 from floeflow.state.bonds import Arrays
@@ -190,9 +190,11 @@ def tessellated(
     least, most = (0.25, discs.MOST_RADII) if packing.size.spread == 0 else (0.1, MOST)
     largest = np.clip(np.sqrt(cells / np.pi), least * own, most * own)
     largest = discs.off_coast(places, largest, own, shore)
-    largest = np.concatenate([largest, mean[grid.cell_of(coast[:, 0], coast[:, 1])]])
+    beside = mean[grid.cell_of(coast[:, 0], coast[:, 1])]
     everywhere = np.concatenate([places, coast])
-    made = tessellate(mask, (everywhere, discs.radii(everywhere, largest)), len(places))
+    radius = discs.radii(everywhere, np.concatenate([largest, beside]))
+    radius = discs.coast_at_ice(everywhere, radius, len(places), discs.MOST_RADII * beside)
+    made = tessellate(mask, (everywhere, radius), len(places))
     row, column = grid.cell_of(places[:, 0], places[:, 1])
     scale = mask["cell_area"].values[row, column] / grid.spacing**2
     ratio = np.sqrt(made.area / scale / np.pi) / own
@@ -230,7 +232,6 @@ def make_packing(
         Elements sorted by id (mobile first, then coast), their cells as rings, the edges that
         neighbours share; see docs/theory/packing.md. No ice makes no elements.
     """
-    mask = before_walls(mask, walls)
     ice = mask["siconc"].values > 0
     if not ice.any():
         log.warning("the scene has no ice: no elements")

@@ -3,23 +3,19 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core.grids import Grid
 from floeflow.core.near_lines import NearLines, near_lines
 from floeflow.packings.coastline import coastline
 from floeflow.state.bonds import Arrays
-from floeflow.state.walls import distances, join, rings
+from floeflow.state.walls import join, rings
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-
-log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -107,22 +103,3 @@ def shore_of(grid: Grid, land: Flags, walls: Arrays | None, reach: float) -> Sho
     ends = np.stack([np.column_stack([faces[f"{e}x"], faces[f"{e}y"]]) for e in "ab"], axis=1)
     planes = {name: values[endless] for name, values in faces.items()}
     return Shore(near_lines(ends[~endless], reach), planes)
-
-
-def before_walls(mask: xr.Dataset, walls: Arrays | None) -> xr.Dataset:
-    """The mask without the ice of cells whose centre lies behind a plane; says how much that is."""
-    if walls is None or not (walls["plane"] != 0).any():
-        return mask
-    rows = np.flatnonzero(walls["plane"] != 0)
-    x, y = np.meshgrid(mask["x"].values, mask["y"].values)
-    behind = np.zeros(x.shape, dtype=bool)
-    for row in rows:
-        face = {name: values[[row]] for name, values in walls.items()}
-        behind |= distances(face, x, y) < 0
-    siconc, area = mask["siconc"].values, mask["cell_area"].values
-    lost, whole = (float((part * area).sum()) for part in (siconc * behind, siconc))
-    if lost == 0.0:
-        return mask
-    log.warning("walls: %.3g %% of the ice lies behind one and is left out", 100 * lost / whole)
-    changed = {name: mask[name].where(~behind, 0.0) for name in ("siconc", "sithick")}
-    return mask.assign(changed)

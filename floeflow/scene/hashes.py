@@ -22,7 +22,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "land": ("domain", "mask.refine", "mask.land", "mask.land_fraction"),
     "mask": (
         *("domain", "mask", "packing.generator", "time.start", "effects.mixed_layer"),
-        *("sea.file", "sea.temperature", "sea.salinity"),
+        *("sea.file", "sea.temperature", "sea.salinity", "effects.walls", "walls"),
     ),
     "packing": ("seed", "packing", "effects.coast", "effects.walls", "walls"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
@@ -57,7 +57,10 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "grid": ("domain", "effects", "time.start", "time.window", "grid"),
     "diagnostics": ("effects", "domain"),
     "trajectory": ("domain.x_min", "domain.x_max", "domain.y_min", "domain.y_max"),
-    "estimate": ("effects", "domain", "mask", "packing", "forcing", "time", "dynamics", "column"),
+    "estimate": (
+        *("effects", "domain", "mask", "packing", "forcing", "time", "dynamics", "column"),
+        "walls",
+    ),
     # All that a mesh shows stands in packing and states.
     "mesh": (),
     "report": ("report", "name", "effects", "domain", "time.start", "time.window"),

@@ -82,3 +82,21 @@ def test_what_is_no_region_is_refused(tmp_path: Path) -> None:
         make_mask(scene_of(shoreline=str(tmp_path / "no.json")), None)
     with pytest.raises(FloeError, match="mask.uniform is ice without a file"):
         scene_of(land="mask")
+
+
+def test_ice_ends_at_the_planes_of_walls() -> None:
+    """Cells whose centre lies behind a plane hold none; the notes say how much that was."""
+    keys = {
+        "name": "t",
+        "effects": ["friction", "walls"],
+        "domain": {"x_min": 0.0, "x_max": 1e6, "y_min": 0.0, "y_max": 1e6, "spacing": 1e5},
+        "mask": {"uniform": 0.8, "land": "none", "refine": 1},
+        "walls": {"rim": ["left", "top"], "planes": [[7.0e5, 0.0, -1.0, 0.0, 0.0, 0.0]]},
+    }
+    mask = make_mask(parse_scene(json.dumps(keys).encode(), "t"), None)
+    assert (mask["siconc"].values == np.where(mask["x"].values < 7e5, 0.8, 0.0)).all()
+    assert (mask["sithick"].values > 0).sum() == 70
+    assert "30 % of the ice lies behind" in mask.attrs["notes"]
+    keys["effects"] = ["friction"]
+    free = make_mask(parse_scene(json.dumps(keys).encode(), "t"), None)
+    assert (free["siconc"].values == 0.8).all() and free.attrs["notes"] == ""
