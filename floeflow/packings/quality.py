@@ -43,6 +43,11 @@ LABELS = {
     "size_error": ("Cell sizes against the size function (standard deviation of the ratio)", "1"),
     "outline_distance": ("Discs from the outlines of their floes, mean", "m"),
     "outline_share": ("The same over the radius of a disc of the median floe's area", "1"),
+    "moment_error": (
+        "Second moments of floes of several discs against the image's, over their trace, largest",
+        "1",
+    ),
+    "moment_share": ("Share of these floes whose second moments are off by more than 1 %", "1"),
 }
 
 

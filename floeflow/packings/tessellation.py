@@ -25,6 +25,8 @@ Flags = NDArray[np.bool_]
 
 # Ring of far points that closes the outermost cells: how many, and at how many half-diagonals.
 GUARDS, GUARD_DISTANCE = 8, 6.0
+# Corners of a cell nearer to each other than this share of their distance from its site are one.
+SAME_CORNER = 1.0e-10
 # Edges shorter than this share of the mean element's diameter are corners, not sides.
 SHORTEST_EDGE = 1.0e-6
 # A cell whose clipped area is smaller by less than this share is whole.
@@ -112,7 +114,14 @@ def _cells(sites: Array, faces: Index, centres: Array, count: int) -> NDArray[np
     off = centres[face] - sites[site]
     angle = np.arctan2(off[:, 1], off[:, 0])
     order = np.lexsort((face, angle, site))
-    rings = shapely.linearrings(centres[face[order]], indices=site[order])
+    site, corner, far = site[order], centres[face[order]], np.hypot(*off[order].T)
+    # More than three sites of equal power at a point: it comes several times, in any order. A side
+    # of round-off that runs backwards would clip all away.
+    first = np.searchsorted(site, np.arange(count))
+    before = np.arange(len(site)) - 1
+    before[first] = np.append(first[1:], len(site)) - 1
+    apart = np.hypot(*(corner - corner[before]).T) > SAME_CORNER * far
+    rings = shapely.linearrings(corner[apart], indices=site[apart])
     return np.asarray(shapely.polygons(rings))
 
 

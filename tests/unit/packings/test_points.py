@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
 import xarray as xr
 
 from floeflow.core.grids import Grid
@@ -60,6 +61,21 @@ def test_power_diagram_of_two_discs_is_their_radical_axis() -> None:
     left = tessellation.overlay(diagram.polygons, grid, np.ones((10, 10), dtype=bool))
     area = np.bincount(left.element, weights=left.area)
     assert area == pytest.approx([10 * axis, 100 - 10 * axis], rel=1e-12)
+
+
+@pytest.mark.parametrize("count", [2, 4, 5])
+def test_discs_in_a_row_share_their_strip(count: int) -> None:
+    """Where many sites have equal power at one point, cells stay convex and tile the plane."""
+    places = np.column_stack([np.arange(count) + 0.5, np.full(count, 0.5 * count)])
+    places *= 800.133717671866
+    grid = Grid(np.array([0.5]), np.array([0.5]), count * 800.133717671866, 0.0, 0.0)
+    diagram = tessellation.power_diagram(places, np.full(count, 400.0), grid)
+    assert shapely.is_valid(diagram.polygons).all()
+    square = shapely.box(0, 0, *[grid.spacing] * 2)
+    area = shapely.area(shapely.intersection(diagram.polygons, square))
+    np.testing.assert_allclose(area, grid.spacing**2 / count, rtol=1e-9)
+    whole = tessellation.overlay(diagram.polygons, grid, np.ones((1, 1), bool))
+    assert whole.correction < 1e-9 and len(whole.area) == count
 
 
 def test_radii_of_three_in_a_row() -> None:
