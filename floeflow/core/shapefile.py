@@ -41,7 +41,8 @@ def read_shapefile(path: Path) -> list[shapely.Geometry]:
     data = path.read_bytes()
     if len(data) < HEADER or struct.unpack(">i", data[:4])[0] != CODE:
         raise FloeError(f"{path}: this is no shapefile")
-    found, at = [], HEADER
+    found: list[shapely.Geometry] = []
+    at = HEADER
     while at < len(data):
         name = f"{path}: record {len(found) + 1}"
         try:
@@ -94,7 +95,8 @@ def _polygon(rings: list[Array], name: str) -> shapely.MultiPolygon:
     shells = [ring for ring, outer in zip(rings, clockwise, strict=True) if outer]
     if not shells:
         raise FloeError(f"{name} has no ring that runs clockwise, as outer ones do")
-    whole, of = shapely.polygons(shells), [[] for _ in shells]  # type: ignore[var-annotated]
+    whole = np.array([shapely.Polygon(ring) for ring in shells], dtype=object)
+    of: list[list[Array]] = [[] for _ in shells]
     for ring in (ring for ring, outer in zip(rings, clockwise, strict=True) if not outer):
         around = np.flatnonzero(shapely.contains(whole, shapely.polygons(ring)))
         if not len(around):
@@ -109,9 +111,11 @@ def _to_lonlat(polygon: shapely.MultiPolygon, crs: pyproj.CRS, name: str) -> sha
     if not crs.is_geographic:
         assert crs.geodetic_crs is not None
         transformer = pyproj.Transformer.from_crs(crs, crs.geodetic_crs, always_xy=True)
-        polygon = shapely.transform(
-            shapely.segmentize(polygon, LONGEST_SIDE), transformer.transform, interleaved=False
-        )
+
+        def moved(corners: Array) -> Array:
+            return np.column_stack(transformer.transform(*corners.T))
+
+        polygon = shapely.transform(shapely.segmentize(polygon, LONGEST_SIDE), moved)
     x, y = shapely.get_coordinates(polygon).T
     if not (np.abs(x) <= 360.0).all() or not (np.abs(y) <= 90.0).all():
         raise FloeError(f"{name} has corners that are no places in the projection of its .prj")
