@@ -7,6 +7,7 @@ from floeflow.coupling.compaction import compactor
 from floeflow.packings.elements import grid_of
 from floeflow.packings.packing import make_packing
 from floeflow.state import read_dataset, write_dataset
+from floeflow.state.scene_walls import scene_walls
 from floeflow.workflow.job import Snakemake, run_script, scene_of
 
 
@@ -14,8 +15,9 @@ def main(snakemake: Snakemake) -> None:
     """Run the rule."""
     scene = scene_of(snakemake)
     mask = read_dataset(snakemake.input.mask)
-    compact = compactor(grid_of(mask), Path(str(snakemake.log[0])).parent)
-    made = make_packing(mask, scene.packing, scene.seed, "coast" in scene.effects, compact)
+    walls = scene_walls(scene)
+    compact = compactor(grid_of(mask), Path(str(snakemake.log[0])).parent, walls)
+    made = make_packing(mask, scene.packing, scene.seed, "coast" in scene.effects, compact, walls)
     write_dataset(made, snakemake.output.packing)
 
 

@@ -22,12 +22,7 @@ from matplotlib.collections import EllipseCollection, LineCollection, PolyCollec
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from floeflow.coupling.compaction import compactor
-from floeflow.masks.land import make_land
-from floeflow.masks.mask import make_mask
-from floeflow.packings.bonds import make_bonds
-from floeflow.packings.elements import grid_of
-from floeflow.packings.packing import make_packing
+from floeflow.coupling.first_state import Pack, first_pack
 from floeflow.report.figures.frame import Frame, draw_land, draw_scale_bar, prepare_axes
 from floeflow.report.figures.maps import element_shapes
 from floeflow.report.figures.style import CONCENTRATION, look, new_figure, write_png
@@ -109,23 +104,6 @@ def with_files(scene: Scene) -> Scene | None:
     return scene.model_copy(update={"mask": mask.model_copy(update=changes)})
 
 
-def packed(scene: Scene) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset | None]:
-    """Mask, packing and bonds of a scene."""
-    land = None
-    if scene.mask.land == "global_land_mask":
-        land = make_land(scene)["land"].values.astype(float)
-    mask = make_mask(scene, land)
-    with tempfile.TemporaryDirectory() as folder:
-        compact = compactor(grid_of(mask), Path(folder))
-        coast = "coast" in scene.effects
-        packing = make_packing(mask, scene.packing, scene.seed, coast, compact)
-    if "bonds" not in scene.effects:
-        return mask, packing, None
-    keys = scene.packing
-    bonds = make_bonds(packing, keys.bond_gap, keys.bond_concentration, keys.coast_bonds)
-    return mask, packing, bonds
-
-
 def colours(packing: xr.Dataset) -> np.ndarray:
     """Of each element: by its floe, or by concentration; those of the coast are left out."""
     mobile = packing["type"].values == MOBILE
@@ -191,8 +169,9 @@ def draw_discs(axes: Axes, packing: xr.Dataset, bonds: xr.Dataset | None) -> Non
         axes.add_collection(lines)
 
 
-def figures_of(packing: xr.Dataset, bonds: xr.Dataset | None) -> str:
+def figures_of(made: Pack) -> str:
     """A line of figures for the page."""
+    packing, bonds = made.packing, made.bonds
     value = {str(name): float(item) for name, item in packing.data_vars.items() if item.ndim == 0}
     mobile = int((packing["type"].values == MOBILE).sum())
     parts = [f"{mobile:,} elements"]
@@ -221,13 +200,14 @@ def main(names: list[str]) -> int:
             file = wanted.labels.file or wanted.file
             print(f"{view.scene}: skipped, {file} is not there; {path} says where to get it")
             continue
-        mask, packing, bonds = packed(scene)
-        figure = draw(view, scene, mask, packing)
+        with tempfile.TemporaryDirectory() as scratch:
+            made = first_pack(scene, Path(scratch))
+        figure = draw(view, scene, made.mask, made.packing)
         with look():
-            draw_discs(figure.axes[1], packing, bonds)
+            draw_discs(figure.axes[1], made.packing, made.bonds)
         write_png(figure, PICTURES / f"{view.scene}.png", DPI)
-        (PICTURES / f"{view.scene}.txt").write_text(figures_of(packing, bonds) + "\n")
-        print(f"{view.scene}: {figures_of(packing, bonds)}", flush=True)
+        (PICTURES / f"{view.scene}.txt").write_text(figures_of(made) + "\n")
+        print(f"{view.scene}: {figures_of(made)}", flush=True)
     PAGE.write_text(page())
     return 0
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Polygons of a GeoJSON file (RFC 7946: longitudes and latitudes) in a projection."""
+"""Polygons of a file in a projection: GeoJSON (RFC 7946: longitudes, latitudes) or a shapefile."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from numpy.typing import NDArray
 from shapely.geometry import shape
 
 from floeflow.core.errors import FloeError
+from floeflow.core.shapefile import read_shapefile
 
 Array = NDArray[np.float64]
 
 # Sides longer than this (degrees) are divided, as they are bent on the map.
 LONGEST_SIDE = 0.25
 MAX_BYTES = 50_000_000
+SHAPEFILE, GEOJSON = ".shp", (".json", ".geojson")
 
 
 def read_polygons(path: str | Path, crs: str) -> list[tuple[shapely.Geometry, dict[str, Any]]]:
@@ -28,7 +30,8 @@ def read_polygons(path: str | Path, crs: str) -> list[tuple[shapely.Geometry, di
     Parameters
     ----------
     path : str or Path
-        GeoJSON file of a Polygon or MultiPolygon, a Feature or a FeatureCollection.
+        GeoJSON file of a Polygon or MultiPolygon, a Feature or a FeatureCollection; or a shapefile
+        (.shp) of polygons, which come without properties.
     crs : str
         Projection to bring them to (pyproj name).
 
@@ -40,25 +43,34 @@ def read_polygons(path: str | Path, crs: str) -> list[tuple[shapely.Geometry, di
     Raises
     ------
     FloeError
-        One sentence: no file, no GeoJSON, no polygon, places that are none.
+        One sentence: no file, no GeoJSON or shapefile, no polygon, places that are none.
     """
     path = Path(path)
     try:
         if path.stat().st_size > MAX_BYTES:
             raise FloeError(f"{path}: polygons of over {MAX_BYTES} bytes are not read")
-        data = json.loads(path.read_text("utf-8"))
+        shapes = path.suffix.lower() == SHAPEFILE
+        found = [(each, {}) for each in read_shapefile(path)] if shapes else _of_json(path)
     except OSError as error:
         raise FloeError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError):
-        raise FloeError(f"{path}: this is no GeoJSON") from None
-    found = []
-    for number, feature in enumerate(_features(data, path), start=1):
-        name = f"{path}: feature {number}"
-        properties = feature.get("properties") or {}
-        found.append((project(_polygon(feature, name), crs, name), properties))
     if not found:
         raise FloeError(f"{path}: holds no polygon")
-    return found
+    return [
+        (project(polygon, crs, f"{path}: feature {number}"), properties)
+        for number, (polygon, properties) in enumerate(found, start=1)
+    ]
+
+
+def _of_json(path: Path) -> list[tuple[shapely.Geometry, dict[str, Any]]]:
+    """Polygons in longitude and latitude, and their properties."""
+    try:
+        data = json.loads(path.read_text("utf-8"))
+    except (ValueError, RecursionError):
+        raise FloeError(f"{path}: this is no GeoJSON") from None
+    return [
+        (_polygon(feature, f"{path}: feature {number}"), feature.get("properties") or {})
+        for number, feature in enumerate(_features(data, path), start=1)
+    ]
 
 
 def _features(data: Any, path: Path) -> list[dict[str, Any]]:
@@ -126,3 +138,15 @@ def within(polygon: shapely.Geometry, x: Array, y: Array) -> NDArray[np.bool_]:
     """Whether points (m) lie in a polygon; as the arrays are shaped."""
     shapely.prepare(polygon)
     return np.asarray(shapely.contains_xy(polygon, x, y))
+
+
+def is_polygon_file(name: str) -> bool:
+    """Whether a name is that of a file of polygons, by its ending."""
+    return Path(name).suffix.lower() in (*GEOJSON, SHAPEFILE)
+
+
+def files_of_polygons(name: str) -> list[str]:
+    """Files that are read for polygons of a file, or of none: of a shapefile its .prj too."""
+    path = Path(name)
+    beside = [str(path.with_suffix(".prj"))] if path.suffix.lower() == SHAPEFILE else []
+    return [name, *beside] if name else []

@@ -24,7 +24,7 @@ from floeflow.dynamics.engine.params import FIXED, EngineParams
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.packings.dense import Compactor
 from floeflow.state.bonds import Arrays
-from floeflow.state.walls import join, plane
+from floeflow.state.walls import distances, join, plane
 
 Array = NDArray[np.float64]
 
@@ -36,6 +36,8 @@ GROWTH, STEPS, MOST_ROUNDS = 0.02, 150, 60
 STEP_SHARE = 0.5
 # Contacts nearly without rebound, no friction: a dense pack, not a loose one.
 DAMPING = 0.7
+# Planes that are no further apart stand at one place, m.
+ROUND_OFF = 1.0e-3
 # The modulus and thickness set only the scale of time.
 MODULUS, THICKNESS = 1.0e8, 1.0
 
@@ -166,8 +168,20 @@ def _wrapped(places: Array, box: Box) -> Array:
     return low + np.mod(places - low, high - low)
 
 
-def compactor(grid: Grid, folder: Path) -> Compactor:
-    """Compaction by the element model within the rectangle of a grid."""
+def _held(side: Arrays, walls: Arrays) -> bool:
+    """Whether a plane of the walls stands at a side of the rectangle, or parallel before it."""
+    along = [walls[f"b{axis}"] - walls[f"a{axis}"] for axis in "xy"]
+    own = [side[f"b{axis}"] - side[f"a{axis}"] for axis in "xy"]
+    parallel = along[0] * own[0] + along[1] * own[1] > (1.0 - 1e-12) * np.hypot(*along)
+    before = distances(side, walls["ax"], walls["ay"]) > -ROUND_OFF
+    return bool(((walls["plane"] != 0) & parallel & before).any())
+
+
+def compactor(grid: Grid, folder: Path, walls: Arrays | None = None) -> Compactor:
+    """Compaction by the element model within the rectangle of a grid, and walls that stand in it.
+
+    Walls are taken where they are at time 0, at rest.
+    """
     (west, east), (south, north) = grid.x_edges[[0, -1]], grid.y_edges[[0, -1]]
     low, high = (float(west), float(south)), (float(east), float(north))
     sides = [
@@ -176,11 +190,15 @@ def compactor(grid: Grid, folder: Path) -> Compactor:
         plane(*high, (-1.0, 0.0)),
         plane(*high, (0.0, -1.0)),
     ]
-    walls = join(sides)
+    if walls is not None:
+        # Two planes at one place would push twice.
+        sides = [side for side in sides if not _held(side, walls)]
+        sides.append(walls | {name: np.zeros(len(walls[name])) for name in ("u", "v")})
+    held = join(sides)
 
     def run(
         places: Array, radius: Array, fixed: Array, fixed_radius: Array, overlap: float
     ) -> Array:
-        return compact(places, radius, Box(fixed, fixed_radius, walls), overlap, folder).places
+        return compact(places, radius, Box(fixed, fixed_radius, held), overlap, folder).places
 
     return run

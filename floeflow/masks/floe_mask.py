@@ -58,7 +58,9 @@ def floe_mask(
         log.warning("%.2g %% of the floes' area lies on land cells and is left out", 100 * lost)
     if region is not None and not region.all():
         beyond = ((up.T @ (~region).astype(float)) @ across) > ROUND_OFF * floes.grid.spacing**2
-        numbers[np.isin(numbers, np.unique(numbers[beyond]))] = 0
+        reaching = np.setdiff1d(np.unique(numbers[beyond]), [0])
+        numbers[np.isin(numbers, reaching)] = 0
+        log.info("%d floes reach beyond the region or a wall and are left out", len(reaching))
     covered = (up @ (numbers > 0).astype(float)) @ across.T
     siconc = np.clip(covered / grid.spacing**2, 0.0, 1.0)
     pixels = xr.Dataset(

@@ -23,6 +23,8 @@ from floeflow.masks.regions import region_cells, shore_cells
 from floeflow.masks.thickness import CELL_MEAN
 from floeflow.masks.thickness_climatology import climatological_thickness
 from floeflow.scene.blocks import Scene
+from floeflow.state.scene_walls import make_planes
+from floeflow.state.walls import distances
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -123,10 +125,10 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
             "water"
         )
     siconc[land | (siconc < scene.mask.minimum_concentration)] = 0.0
-    siconc[~_region(scene, grid)] = 0.0
-    siconc, sithick = _with_thickness(scene, placed, siconc, lon, lat)
     area = cell_area(grid, crs)
+    notes += _cut(scene, grid, siconc, area)
     notes += _guesses(placed, siconc * area, land)
+    siconc, sithick = _with_thickness(scene, placed, siconc, lon, lat)
     for note in notes:
         log.info("%s", note)
     log.info(
@@ -170,6 +172,25 @@ def _region(scene: Scene, grid: Grid) -> Flags:
     return region_cells(scene.mask.region, grid, scene.domain.crs)
 
 
+def _behind_planes(scene: Scene, grid: Grid) -> Flags:
+    """Cells whose centre lies behind a plane of the scene's walls, (ny, nx)."""
+    behind = np.zeros(grid.shape, dtype=bool)
+    for face in make_planes(scene):
+        behind |= distances(face, *grid.mesh()) < 0.0
+    return behind
+
+
+def _cut(scene: Scene, grid: Grid, siconc: Array, area: Array) -> list[str]:
+    """Take out, in place, what lies beyond the region and behind planes; notes of the latter."""
+    siconc[~_region(scene, grid)] = 0.0
+    behind = _behind_planes(scene, grid)
+    lost, whole = float((siconc * area)[behind].sum()), float((siconc * area).sum())
+    siconc[behind] = 0.0
+    if lost == 0.0:
+        return []
+    return [f"walls: {100.0 * lost / whole:.3g} % of the ice lies behind one and is left out"]
+
+
 def _known_land(scene: Scene, grid: Grid, land_fraction: Array | None) -> Flags:
     """Land without a mask file that would tell it, (ny, nx)."""
     land = _shore(scene, grid)
@@ -179,11 +200,14 @@ def _known_land(scene: Scene, grid: Grid, land_fraction: Array | None) -> Flags:
 def _make_uniform_mask(scene: Scene, grid: Grid, land_fraction: Array | None) -> xr.Dataset:
     """Mask of one concentration on all water of the region."""
     land = _known_land(scene, grid, land_fraction)
-    siconc = np.where(~land & _region(scene, grid), scene.mask.uniform, 0.0)
-    sithick = _thickness_by_rule(scene, siconc, *to_lonlat(scene_crs(scene.domain), *grid.mesh()))
     area = cell_area(grid, scene_crs(scene.domain))
+    siconc = np.where(land, 0.0, scene.mask.uniform)
+    notes = _cut(scene, grid, siconc, area)
+    for note in notes:
+        log.info("%s", note)
+    sithick = _thickness_by_rule(scene, siconc, *to_lonlat(scene_crs(scene.domain), *grid.mesh()))
     made = _dataset(scene, grid.x, grid.y, siconc, sithick, land, area)
-    made.attrs["notes"] = ""
+    made.attrs["notes"] = "\n".join(notes)
     return made
 
 
@@ -191,8 +215,9 @@ def _make_floe_mask(scene: Scene, grid: Grid, land_fraction: Array | None) -> xr
     """Mask of a labelled image: concentration is the share that floes cover."""
     land = _known_land(scene, grid, land_fraction)
     floes = read_labels(scene.mask.labels, scene.domain)
-    # Floes are whole: a region leaves out those that reach beyond it.
-    siconc, pixels = floe_mask(floes, grid, land, _region(scene, grid))
+    # Floes are whole: a region leaves out those that reach beyond it, a plane those behind it.
+    within = _region(scene, grid) & ~_behind_planes(scene, grid)
+    siconc, pixels = floe_mask(floes, grid, land, within)
     sithick = np.where(siconc > 0, scene.mask.ice_thickness, 0.0)
     area = cell_area(grid, scene_crs(scene.domain))
     made = _dataset(scene, grid.x, grid.y, siconc, sithick, land, area).merge(pixels)

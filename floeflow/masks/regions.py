@@ -8,7 +8,6 @@ commonly told. They are no legal limits; a polygon of one's own is one file away
 from __future__ import annotations
 
 from difflib import get_close_matches
-from pathlib import Path
 
 import numpy as np
 import shapely
@@ -16,7 +15,14 @@ from numpy.typing import NDArray
 
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import Grid
-from floeflow.core.polygon_file import project, read_polygons, within
+from floeflow.core.polygon_file import (
+    files_of_polygons,
+    is_polygon_file,
+    project,
+    read_polygons,
+    within,
+)
+from floeflow.scene.blocks import Mask
 
 Flags = NDArray[np.bool_]
 
@@ -48,7 +54,7 @@ def region_cells(region: str, grid: Grid, crs: str) -> Flags:
     Parameters
     ----------
     region : str
-        Name of a sea, or a GeoJSON file of polygons.
+        Name of a sea, or a file of polygons (GeoJSON, shapefile).
     grid : Grid
         The mask grid.
     crs : str
@@ -67,13 +73,14 @@ def region_cells(region: str, grid: Grid, crs: str) -> Flags:
     if region in SEAS:
         west, east, south, north = SEAS[region]
         polygons = [project(_box(west, east, south, north), crs, f"mask.region: {region}")]
-    elif Path(region).suffix.lower() in (".json", ".geojson"):
+    elif is_polygon_file(region):
         polygons = [polygon for polygon, _ in read_polygons(region, crs)]
     else:
         near = get_close_matches(region, SEAS, n=1)
         hint = f"did you mean '{near[0]}'?" if near else "known are " + ", ".join(SEAS)
         raise FloeError(
-            f"mask.region: '{region}' is neither a named sea nor a GeoJSON file (.json); {hint}"
+            f"mask.region: '{region}' is neither a named sea nor a file of polygons (.json, "
+            f".geojson, .shp); {hint}"
         )
     inside = polygon_cells(polygons, grid)
     if not inside.any():
@@ -101,5 +108,11 @@ def polygon_cells(polygons: list[shapely.Geometry], grid: Grid) -> Flags:
 
 
 def shore_cells(path: str, grid: Grid, crs: str) -> Flags:
-    """Cells of land by a shoreline of the user's: polygons of a GeoJSON file, (ny, nx)."""
+    """Cells of land by a shoreline of the user's: polygons of a file, (ny, nx)."""
     return polygon_cells([polygon for polygon, _ in read_polygons(path, crs)], grid)
+
+
+def polygon_inputs(mask: Mask) -> list[str]:
+    """Files of the polygons that a scene's mask names: shoreline and region."""
+    region = mask.region if is_polygon_file(mask.region) else ""
+    return [*files_of_polygons(mask.shoreline), *files_of_polygons(region)]

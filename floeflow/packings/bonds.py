@@ -12,11 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from floeflow.packings.lines import diagram_around, disc_lines
 from floeflow.state.bonds import new_bonds
 from floeflow.state.elements import joint_thickness
 from floeflow.state.schema import COAST, VARIABLES
+from floeflow.state.walls import clearance, rings
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -55,7 +57,9 @@ def coast_edges(packing: xr.Dataset) -> Edges:
     """Edges between mobile and coast elements in the tessellation of both.
 
     They pass between the discs. Each is cut to the width of its smaller disc, about the line of
-    centres: at the end of a coast the tessellation alone would draw it far out to sea.
+    centres: at the end of a coast the tessellation alone would draw it far out to sea. The
+    tessellation takes discs of the coast no larger than do not overlap each other, so that each
+    has its part of the coast.
     """
     radius = packing["radius"].values
     coast = packing["type"].values == COAST
@@ -63,7 +67,11 @@ def coast_edges(packing: xr.Dataset) -> Edges:
         none = np.empty(0, dtype=np.int64)
         return Edges(none, none, np.empty((0, 4)))
     places = np.stack([packing["x"].values, packing["y"].values], axis=1)
-    diagram = diagram_around(places, radius)
+    smaller = radius.copy()
+    if coast.sum() > 1:
+        beside = cKDTree(places[coast]).query(places[coast], k=2)[0][:, 1]
+        smaller[coast] = np.minimum(radius[coast], 0.5 * beside)
+    diagram = diagram_around(places, smaller)
     both = coast[diagram.lo] != coast[diagram.hi]
     lo, hi, ends = disc_lines(diagram, places, radius, both)
     return Edges(lo, hi, ends.reshape(-1, 4))
@@ -87,7 +95,8 @@ def frozen(packing: xr.Dataset, edges: Edges, bond_gap: float, minimum: float) -
     -------
     Edges
         Those whose mobile elements hold ice of at least that concentration, where the gap
-        d - r_i - r_j is under ``bond_gap`` (r_i + r_j) or no more than round-off. Within a floe of
+        d - r_i - r_j is under ``bond_gap`` (r_i + r_j) or no more than round-off; at the coast the
+        gap between the ice's disc and the coast's line, where that is less. Within a floe of
         a labelled image all elements that share a side are frozen together, and none across.
     """
     x, y, radius = (packing[name].values for name in ("x", "y", "radius"))
@@ -96,6 +105,7 @@ def frozen(packing: xr.Dataset, edges: Edges, bond_gap: float, minimum: float) -
         fraction = packing["concentration"].values
     reach = radius[edges.lo] + radius[edges.hi]
     gap = np.hypot(x[edges.hi] - x[edges.lo], y[edges.hi] - y[edges.lo]) - reach
+    gap = np.minimum(gap, _shore_gap(packing, edges))
     near = gap < np.maximum(bond_gap, 1e-9) * reach
     if "floe" in packing:
         floe = packing["floe"].values
@@ -104,6 +114,21 @@ def frozen(packing: xr.Dataset, edges: Edges, bond_gap: float, minimum: float) -
         )
     holds = (fraction > 0) & (fraction >= minimum) | (packing["type"].values == COAST)
     return edges.pick(near & holds[edges.lo] & holds[edges.hi])
+
+
+def _shore_gap(packing: xr.Dataset, edges: Edges) -> Array:
+    """Gap (m) between disc and coast line of edges with a coast element, (m,); else infinite."""
+    coast = packing["type"].values == COAST
+    out = np.full(len(edges.lo), np.inf)
+    at_coast = np.flatnonzero(coast[edges.lo] != coast[edges.hi])
+    if not len(at_coast):
+        return out
+    mobile = np.where(coast[edges.lo], edges.hi, edges.lo)[at_coast]
+    places = np.stack([packing["x"].values, packing["y"].values], axis=1)[mobile]
+    corner = np.column_stack([packing["coast_x"].values, packing["coast_y"].values])
+    faces = rings(packing["coast_start"].values, corner)
+    out[at_coast] = clearance(faces, *places.T) - packing["radius"].values[mobile]
+    return out
 
 
 def make_bonds(

@@ -7,6 +7,8 @@ have none: they become faces of a wall (`floeflow.state.walls`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -56,7 +58,9 @@ def coastline(grid: Grid, land: Flags) -> tuple[Index, Array]:
     return start, np.concatenate(corners) if corners else np.empty((0, 2))
 
 
-def off_shore(places: Array, start: Index, corner: Array, least: float) -> Array:
+def off_shore(
+    places: Array, start: Index, corner: Array, least: float, allowed: Callable[[Array], Flags]
+) -> Array:
     """Places moved so that each keeps a distance from the coast.
 
     Parameters
@@ -67,6 +71,8 @@ def off_shore(places: Array, start: Index, corner: Array, least: float) -> Array
         Rings of the coast, from `coastline`.
     least : float
         Distance that is to be kept where there is room, m.
+    allowed : callable
+        Tells of places (m), (k, 2), which may be taken.
     """
     places = places.copy()
     if len(corner) == 0 or len(places) == 0:
@@ -85,7 +91,8 @@ def off_shore(places: Array, start: Index, corner: Array, least: float) -> Array
         # The best of the places around: at sea, and furthest from the coast.
         choices = np.concatenate([places[[row]], places[row] + 0.5 * around, places[row] + around])
         found = shapely.points(choices)
-        room = np.where(shapely.contains(land, found), -1.0, shapely.distance(found, lines))
+        ashore = shapely.contains(land, found) | ~allowed(choices)
+        room = np.where(ashore, -1.0, shapely.distance(found, lines))
         enough = np.flatnonzero(room >= least)
         places[row] = choices[enough[0] if len(enough) else int(np.argmax(room))]
     return places

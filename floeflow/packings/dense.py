@@ -20,7 +20,9 @@ from floeflow.core.grids import Grid
 from floeflow.packings import discs, points
 from floeflow.packings.elements import Elements, grid_of, hilbert_order, ordered
 from floeflow.packings.lines import diagram_around, disc_lines
+from floeflow.packings.shore import shore_of
 from floeflow.scene.blocks import Discs, Packing
+from floeflow.state.bonds import Arrays
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -29,8 +31,6 @@ log = logging.getLogger(__name__)
 
 # Discs whose gap is within this share of their radii's sum are neighbours.
 NEIGHBOUR = 1.0
-# Corners of the outline of a disc.
-CORNERS = 24
 RELAXATIONS = 10
 # What takes places, radii, fixed discs with their radii, and the largest overlap left, and returns
 # places: `floeflow.coupling.compaction.compactor`.
@@ -69,7 +69,12 @@ def disc_sizes(count: int, keys: Discs, generator: np.random.Generator) -> Array
 
 
 def dense_discs(
-    mask: xr.Dataset, packing: Packing, seed: int, coast_effect: bool, compact: Compactor
+    mask: xr.Dataset,
+    packing: Packing,
+    seed: int,
+    coast_effect: bool,
+    compact: Compactor,
+    walls: Arrays | None = None,
 ) -> Elements:
     """Whole floes over the ice of a mask.
 
@@ -77,7 +82,7 @@ def dense_discs(
     ----------
     mask : xarray.Dataset
         Output of the mask stage.
-    packing, seed, coast_effect
+    packing, seed, coast_effect, walls
         As in `floeflow.packings.packing.make_packing`.
     compact : callable
         Parts discs that overlap.
@@ -102,7 +107,9 @@ def dense_discs(
         coast, side = discs.coast_points(grid, ice, land, np.full(grid.shape, radius.mean()))
         coast = ordered(grid, coast)
     clear = np.full(len(coast), 0.5 * side)
-    places = discs.spread(grid, ice, places, coast, clear, radius)
+    shore = shore_of(grid, land, walls, float(radius.max()))
+    places = discs.spread(grid, ice, places, (coast, clear), radius, shore)
+    places = shore.before(places, radius)
     places = compact(places, radius, coast, clear, keys.overlap)
     places = _on_grid(grid, places)
     order = hilbert_order(grid, places)
@@ -157,7 +164,7 @@ def _elements(mask: xr.Dataset, places: Array, radius: Array, count: int) -> Ele
         area=stands,
         ice_fraction=np.ones(count),
         ice_volume=thick,
-        polygons=_outlines(places[:count], radius[:count]),
+        polygons=np.asarray(shapely.polygons(discs.outlines(places[:count], radius[:count]))),
         lo=lo,
         hi=hi,
         ends=ends,
@@ -171,11 +178,3 @@ def _nearest_ice(grid: Grid, ice: Flags, x: Array, y: Array) -> tuple[NDArray[np
     _, (rows, columns) = distance_transform_edt(~ice, return_indices=True)
     row, column = grid.cell_of(x, y)
     return rows[row, column], columns[row, column]
-
-
-def _outlines(places: Array, radius: Array) -> NDArray[np.object_]:
-    """Regular polygons of the discs' areas."""
-    angle = 2.0 * np.pi * (np.arange(CORNERS) + 0.5) / CORNERS
-    share = np.sqrt(2.0 * np.pi / (CORNERS * np.sin(2.0 * np.pi / CORNERS)))
-    round_ = share * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return np.asarray(shapely.polygons(places[:, None] + radius[:, None, None] * round_))

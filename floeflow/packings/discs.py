@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from floeflow.core.grids import Grid
 from floeflow.core.near import pushes, thin
 from floeflow.packings.points import hilbert_key, on_ice
+from floeflow.packings.shore import Shore
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -33,6 +34,11 @@ SPREAD_ROUNDS, SPREAD_STEP = 100, 0.25
 ROUNDS = 40
 # Taken off every radius at the end, so that round-off makes no overlap.
 ROUND_OFF = 1.0e-12
+# A disc in water too narrow for it keeps this share of its mean radius and reaches over the coast:
+# smaller ones would rule the time step.
+SLIMMEST = 0.25
+# Corners of the outline of a disc.
+CORNERS = 24
 
 _SIDES = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=bool)
 
@@ -83,12 +89,17 @@ def _curve(grid: Grid, points: Array) -> NDArray[np.int64]:
 
 
 def spread(
-    grid: Grid, ice: Flags, points: Array, coast: Array, coast_radius: float | Array, target: Array
+    grid: Grid,
+    ice: Flags,
+    points: Array,
+    coast: tuple[Array, float | Array],
+    target: Array,
+    shore: Shore,
 ) -> Array:
     """Push discs apart that would overlap at their target radii, so that all can grow.
 
     In each round every pair that overlaps moves apart by a share of its overlap, a mobile disc at
-    the coast alone. A disc that would leave the ice stays.
+    the coast, a line or a plane alone. A disc that would leave the ice stays.
 
     Parameters
     ----------
@@ -96,12 +107,12 @@ def spread(
         Mask grid and its cells with ice.
     points : ndarray
         Mobile centres (m), (n, 2).
-    coast : ndarray
-        Fixed centres (m), (k, 2).
-    coast_radius : float or ndarray
-        Their radius (m).
+    coast : tuple of ndarray
+        Fixed centres (m), (k, 2), and their radii (m).
     target : ndarray
         Target radii of the mobile discs (m), (n,).
+    shore : Shore
+        Lines and planes to keep clear of.
 
     Returns
     -------
@@ -109,13 +120,14 @@ def spread(
         Mobile centres (m), (n, 2).
     """
     count = len(points)
-    radius = np.concatenate([target, np.broadcast_to(coast_radius, len(coast))])
-    everywhere = np.concatenate([points, coast])
+    radius = np.concatenate([target, np.broadcast_to(coast[1], len(coast[0]))])
+    everywhere = np.concatenate([points, coast[0]])
     for _ in range(SPREAD_ROUNDS):
         moves, deepest = pushes(everywhere, radius, count, SPREAD_STEP)
-        if deepest == 0.0:
+        inland, over = shore.pushes(everywhere[:count], target, 2.0 * SPREAD_STEP)
+        if deepest == over == 0.0:
             break
-        moved = everywhere[:count] + moves
+        moved = everywhere[:count] + moves + inland
         stays = on_ice(grid, ice, moved)
         everywhere[:count][stays] = moved[stays]
     return everywhere[:count]
@@ -153,6 +165,51 @@ def radii(points: Array, largest: Array) -> Array:
     return radius * (1.0 - ROUND_OFF)
 
 
+def off_coast(points: Array, largest: Array, mean: Array, shore: Shore) -> Array:
+    """Limits of radii with which discs end at the coast and at walls, where there is room.
+
+    Parameters
+    ----------
+    points : ndarray
+        Centres (m), (n, 2).
+    largest, mean : ndarray
+        Limits so far, and the radii of discs of the elements' area (m), (n,).
+    shore : Shore
+        Lines and planes.
+    """
+    room = np.maximum(shore.clearance(points), SLIMMEST * mean)
+    return np.minimum(largest, room)
+
+
+def coast_at_ice(points: Array, radius: Array, mobile: int, largest: Array) -> Array:
+    """Radii with which the coast's discs reach the ice beside them, where that is near enough.
+
+    Ice ends at the coast's line and coast elements stand behind it. They touch the ice, so that it
+    can freeze to them; they may overlap each other, as they never move.
+
+    Parameters
+    ----------
+    points, radius : ndarray
+        Discs (m), (n, 2) and (n,); those from row `mobile` on are the coast's.
+    mobile : int
+        How many are ice.
+    largest : ndarray
+        Upper limits of the coast's radii (m), (n - mobile,).
+    """
+    out = radius.copy()
+    if mobile in (0, len(points)):
+        return out
+    ice, coast = cKDTree(points[:mobile]), cKDTree(points[mobile:])
+    reach = float(largest.max() + radius[:mobile].max())
+    near = coast.sparse_distance_matrix(ice, reach, output_type="ndarray")
+    room = np.full(len(points) - mobile, np.inf)
+    np.minimum.at(room, near["i"], near["v"] - radius[near["j"]])
+    touching = room <= largest
+    grown = np.maximum(room * (1.0 - ROUND_OFF), out[mobile:])
+    out[mobile:] = np.where(touching, grown, out[mobile:])
+    return out
+
+
 def apart(points: Array, radius: Array, mobile: int) -> Array:
     """Radii of overlapping discs shortened until none overlaps, each by half its deepest overlap.
 
@@ -179,3 +236,11 @@ def apart(points: Array, radius: Array, mobile: int) -> Array:
     shrunk = np.maximum(radius - less, 0.0)
     shrunk[:mobile] *= 1.0 - ROUND_OFF
     return shrunk
+
+
+def outlines(places: Array, radius: Array) -> Array:
+    """Corners (m), (n, 24, 2), anticlockwise, of regular polygons of the discs' areas."""
+    angle = 2.0 * np.pi * (np.arange(CORNERS) + 0.5) / CORNERS
+    share = np.sqrt(2.0 * np.pi / (CORNERS * np.sin(2.0 * np.pi / CORNERS)))
+    round_ = share * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return np.asarray(places[:, None] + radius[:, None, None] * round_)

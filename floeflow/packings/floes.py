@@ -9,7 +9,7 @@ floe's. Places are moved a little until centroid and second moments of the clust
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,7 +22,7 @@ from floeflow.core.grids import Grid, overlaps
 from floeflow.core.near import owners, pushes
 from floeflow.packings import discs, points, tessellation
 from floeflow.packings.elements import Elements, grid_of, hilbert_order, ordered
-from floeflow.packings.moments import match_areas, match_moments
+from floeflow.packings.moments import cluster_moments, match_areas, match_moments
 from floeflow.scene.blocks import Packing
 
 Array = NDArray[np.float64]
@@ -34,6 +34,9 @@ log = logging.getLogger(__name__)
 # A floe up to this many mean elements is one disc; a larger one has at least three, which can take
 # on its second moments.
 ALONE, FEWEST = 1.5, 3
+# A floe of several discs whose second moments are off by more than this share of their trace gets
+# one more, so many times at most: three in a row have no width but their own.
+CLOSE, TRIES = 0.01, 3
 # Rounds in which places are matched to the floe's moments, and discs pushed into the outline.
 MATCHES, FITS = 20, 60
 # Where a floe is narrow its discs stand out of it rather than be smaller than this share of a disc
@@ -135,9 +138,33 @@ def floe_discs(mask: xr.Dataset, packing: Packing, seed: int, coast_effect: bool
     """
     floes = floes_of(mask)
     count = disc_counts(floes.area, packing.elements)
+    for left in range(TRIES, -1, -1):
+        made, misfit = _clusters(mask, floes, count, (packing.relaxations, seed, coast_effect))
+        short = (count > 1) & (misfit > CLOSE)
+        if not short.any() or not left:
+            break
+        count = count + short
+    return replace(made, figures=made.figures | _moment_figures(misfit[count > 1]))
+
+
+def _moment_figures(misfit: Array) -> dict[str, float]:
+    return {
+        "moment_error": float(misfit.max(initial=0.0)),
+        "moment_share": float((misfit > CLOSE).mean()) if len(misfit) else 0.0,
+    }
+
+
+def _clusters(
+    mask: xr.Dataset, floes: Floes, count: Index, ways: tuple[int, int, bool]
+) -> tuple[Elements, Array]:
+    """Clusters of so many discs, (f,), and the misfit of their second moments, (f,).
+
+    `ways` are relaxations, seed and whether there is a coast.
+    """
+    relaxations, seed, coast_effect = ways
     generator = np.random.Generator(np.random.PCG64(seed))
     places, floe, marks = _first_places(floes, count, generator)
-    places = _relaxed(floes, places, floe, marks, packing.relaxations)
+    places = _relaxed(floes, places, floe, marks, relaxations)
     single = (count == 1)[floe]
     wanted = np.sqrt(floes.area / count / np.pi)[floe]
     places = _fitted(floes, places, floe, np.where(single, 0.0, np.sqrt(FILL) * wanted))
@@ -158,7 +185,11 @@ def floe_discs(mask: xr.Dataset, packing: Packing, seed: int, coast_effect: bool
     largest = _largest_radii(floes, places, floe, single, wanted)
     largest = np.concatenate([largest, np.full(len(coast), wanted.mean())])
     radius = discs.radii(everywhere, largest)
-    return _divided(mask, floes, floe, everywhere, radius)
+    made = _divided(mask, floes, floe, everywhere, radius)
+    _, _, second = cluster_moments(places, made.area, radius[: made.count], floe)
+    _, wanted = _moments(floes)
+    off = np.abs(second - wanted).max(axis=(1, 2))
+    return made, np.asarray(off / wanted.trace(axis1=1, axis2=2))
 
 
 def _first_places(

@@ -16,8 +16,9 @@ from scipy.spatial import cKDTree
 
 from floeflow.core.grids import Grid
 from floeflow.packings import discs, points, tessellation
-from floeflow.packings.coastline import CLEARANCE, off_shore
+from floeflow.packings.coastline import CLEARANCE, coastline, off_shore
 from floeflow.packings.elements import grid_of, ordered
+from floeflow.packings.shore import shore_of
 from floeflow.state.cells import rings_of
 from floeflow.state.schema import MOBILE
 
@@ -38,7 +39,12 @@ def reachable(grid: Grid, ice: Flags, land: Flags) -> Flags:
 
 
 def water_discs(
-    grid: Grid, water: Flags, fixed: Array, fixed_radius: Array, mean_radius: float, seed: int
+    grid: Grid,
+    water: Flags,
+    fixed: tuple[Array, Array],
+    mean_radius: float,
+    seed: int,
+    land: Flags,
 ) -> tuple[Array, Array]:
     """Discs over open water, as large as the packing's and clear of them.
 
@@ -46,12 +52,14 @@ def water_discs(
     ----------
     grid, water
         Mask grid and its cells of open water, (ny, nx).
-    fixed, fixed_radius : ndarray
-        Discs that stand already (m), (n, 2) and (n,).
+    fixed : tuple of ndarray
+        Discs that stand already: centres and radii (m), (n, 2) and (n,).
     mean_radius : float
         Of a disc of an element's area (m).
     seed : int
         Of PCG64.
+    land : ndarray
+        Cells of land, (ny, nx).
 
     Returns
     -------
@@ -68,11 +76,17 @@ def water_discs(
     found, _ = points.blue_noise(grid, water, size, np.ones(count), generator)
     found = points.lloyd(grid, water, found, marks, RELAXATIONS)
     target = np.full(len(found), np.sqrt(discs.FILL) * mean_radius)
-    found = discs.spread(grid, water, found, fixed, mean_radius, target)
-    found = ordered(grid, found)
-    near, which = cKDTree(fixed).query(found, k=min(8, len(fixed)))
+    shore = shore_of(grid, land, None, discs.MOST_RADII * mean_radius)
+    found = discs.spread(grid, water, found, (fixed[0], mean_radius), target, shore)
+    found = off_shore(
+        ordered(grid, found),
+        *coastline(grid, land),
+        CLEARANCE * mean_radius,
+        lambda at: points.on_ice(grid, water, at),
+    )
+    near, which = cKDTree(fixed[0]).query(found, k=min(8, len(fixed[0])))
     near, which = near.reshape(len(found), -1), which.reshape(len(found), -1)
-    room = (near - fixed_radius[which]).min(axis=1)
+    room = np.minimum((near - fixed[1][which]).min(axis=1), shore.clearance(found))
     clear = room > SMALLEST_RADIUS * mean_radius
     found, room = found[clear], room[clear]
     radius = discs.radii(found, np.minimum(room, discs.MOST_RADII * mean_radius))
@@ -105,10 +119,7 @@ def make_cells(mask: xr.Dataset, packing: xr.Dataset, seed: int) -> xr.Dataset:
         none = np.empty(0)
         return _dataset(np.empty(0, dtype=np.int64), np.empty((0, 2)), none, none, None)
     mean_radius = grid.spacing * float(np.sqrt(ice.sum() / mobile.sum() / np.pi))
-    places, radius = water_discs(grid, sea & ~ice, fixed, fixed_radius, mean_radius, seed)
-    shore = np.column_stack([packing["coast_x"].values, packing["coast_y"].values])
-    clearance = CLEARANCE * mean_radius
-    places = off_shore(places, packing["coast_start"].values, shore, clearance)
+    places, radius = water_discs(grid, sea & ~ice, (fixed, fixed_radius), mean_radius, seed, land)
     ids = packing["id"].values
     ids = np.append(ids[mobile], ids[-1] + 1 + np.arange(len(places)))
     places = np.concatenate([fixed[mobile], places])

@@ -27,8 +27,10 @@ from floeflow.packings.elements import (
 )
 from floeflow.packings.floes import floe_discs
 from floeflow.packings.quality import LABELS, PREFIX, quality
+from floeflow.packings.shore import Shore, shore_of
 from floeflow.packings.sizes import relative_size
 from floeflow.scene.blocks import Packing
+from floeflow.state.bonds import Arrays
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -39,6 +41,8 @@ log = logging.getLogger(__name__)
 SMALLEST_PATCH = 0.5
 # Cells come out less unlike than the sizes for which their places are sought; measured.
 SPREAD_GAIN = 1.3
+# No disc of a packing of unlike sizes is larger than this many mean radii.
+MOST = 3.0
 
 
 def mean_radii(grid: Grid, ice: Flags, elements: int, size: Array) -> Array:
@@ -56,7 +60,13 @@ def own_sizes(elements: int, spread: float, generator: np.random.Generator) -> A
 
 
 def place(
-    grid: Grid, ice: Flags, packing: Packing, size: Array, seed: int, coast: tuple[Array, Array]
+    grid: Grid,
+    ice: Flags,
+    packing: Packing,
+    size: Array,
+    seed: int,
+    coast: tuple[Array, Array],
+    shore: Shore,
 ) -> tuple[Array, Array, Array]:
     """Places of the mobile elements.
 
@@ -72,6 +82,8 @@ def place(
         Of PCG64, the only source of chance.
     coast : tuple of ndarray
         Centres of the coast elements (m), (k, 2), and the radii to keep clear of, (k,).
+    shore : Shore
+        Lines and planes to keep clear of.
 
     Returns
     -------
@@ -102,7 +114,7 @@ def place(
         target = np.sqrt(discs.FILL) * wanted()
     else:
         target = np.sqrt(discs.FILL / np.pi * points.cell_areas(found, marks))
-    found = discs.spread(grid, ice, found, *coast, target)
+    found = discs.spread(grid, ice, found, coast, target, shore)
     order = hilbert_order(grid, found)
     found, own = found[order], own[order]
     weight = discs.FILL * wanted() ** 2 if spread else None
@@ -150,7 +162,9 @@ def tessellate(mask: xr.Dataset, discs_of: tuple[Array, Array], count: int) -> E
     )
 
 
-def tessellated(mask: xr.Dataset, packing: Packing, seed: int, coast_effect: bool) -> Elements:
+def tessellated(
+    mask: xr.Dataset, packing: Packing, seed: int, coast_effect: bool, walls: Arrays | None
+) -> Elements:
     """Cells that fill the ice (generator tessellation); see `make_packing`."""
     grid = grid_of(mask)
     land, ice = mask["land"].values > 0, mask["siconc"].values > 0
@@ -162,16 +176,25 @@ def tessellated(mask: xr.Dataset, packing: Packing, seed: int, coast_effect: boo
         coast, side = discs.coast_points(grid, ice, land, mean)
         coast = ordered(grid, coast)
     clear = np.full(len(coast), 0.5 * side)
-    places, cells, own = place(grid, ice, packing, size, seed, (coast, clear))
-    if coast_effect:
-        clearance = CLEARANCE * float(mean[ice].mean())
-        places = off_shore(places, *coastline(grid, land), clearance)
+    shore = shore_of(grid, land, walls, MOST * float(mean[ice].max()))
+    places, cells, own = place(grid, ice, packing, size, seed, (coast, clear), shore)
+
+    def allowed(at: Array) -> Flags:
+        return points.on_ice(grid, ice, at)
+
+    clearance = CLEARANCE * float(mean[ice].mean())
+    places = off_shore(places, *coastline(grid, land), clearance, allowed)
+    before = shore.before(places, discs.SLIMMEST * own)
+    places = np.where(allowed(before)[:, None], before, places)
     # Cells of unlike elements have no bound that follows from those of like ones.
-    least, most = (0.25, discs.MOST_RADII) if packing.size.spread == 0 else (0.1, 3.0)
+    least, most = (0.25, discs.MOST_RADII) if packing.size.spread == 0 else (0.1, MOST)
     largest = np.clip(np.sqrt(cells / np.pi), least * own, most * own)
-    largest = np.concatenate([largest, mean[grid.cell_of(coast[:, 0], coast[:, 1])]])
+    largest = discs.off_coast(places, largest, own, shore)
+    beside = mean[grid.cell_of(coast[:, 0], coast[:, 1])]
     everywhere = np.concatenate([places, coast])
-    made = tessellate(mask, (everywhere, discs.radii(everywhere, largest)), len(places))
+    radius = discs.radii(everywhere, np.concatenate([largest, beside]))
+    radius = discs.coast_at_ice(everywhere, radius, len(places), discs.MOST_RADII * beside)
+    made = tessellate(mask, (everywhere, radius), len(places))
     row, column = grid.cell_of(places[:, 0], places[:, 1])
     scale = mask["cell_area"].values[row, column] / grid.spacing**2
     ratio = np.sqrt(made.area / scale / np.pi) / own
@@ -184,6 +207,7 @@ def make_packing(
     seed: int,
     coast_effect: bool = True,
     compact: Compactor | None = None,
+    walls: Arrays | None = None,
 ) -> xr.Dataset:
     """Elements of a scene, by the generator that it names.
 
@@ -199,6 +223,8 @@ def make_packing(
         Whether to line the land with fixed elements.
     compact : callable, optional
         Parts discs that overlap, for the generator dense.
+    walls : dict of ndarray, optional
+        Faces (`floeflow.state.walls`) of the scene's walls, which discs keep clear of.
 
     Returns
     -------
@@ -212,10 +238,11 @@ def make_packing(
         return packing_dataset(mask, no_elements())
     if packing.generator == "dense":
         assert compact is not None
-        made = dense_discs(mask, packing, seed, coast_effect, compact)
+        made = dense_discs(mask, packing, seed, coast_effect, compact, walls)
+    elif packing.generator == "floes":
+        made = floe_discs(mask, packing, seed, coast_effect)
     else:
-        fill = {"tessellation": tessellated, "floes": floe_discs}[packing.generator]
-        made = fill(mask, packing, seed, coast_effect)
+        made = tessellated(mask, packing, seed, coast_effect, walls)
     mobile = made.radius[: made.count]
     log.info(
         "%d mobile and %d coast elements, radii %.4g m to %.4g m, mean %.4g m; discs fill %.1f %%; "

@@ -7,8 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from floeflow.core.clip import shared
 from floeflow.core.near import deepest_overlap
+from floeflow.packings.discs import outlines
 from floeflow.packings.elements import grid_of
+from floeflow.packings.tessellation import cell_corners, touched
 from floeflow.state.schema import MOBILE
 
 Array = NDArray[np.float64]
@@ -30,6 +33,7 @@ LABELS = {
     "neighbours": ("Cells that share a side with a cell, mean", "1"),
     "anisotropy": ("Anisotropy of the lines of centres (0 none, 1 all in one direction)", "1"),
     "overlap": ("Largest overlap over the sum of two radii", "1"),
+    "ashore": ("Area of discs on land over the ice's area on the map", "1"),
     "area_error": ("Ice area against the mask's, relative", "1"),
     "volume_error": ("Ice volume against the mask's, relative", "1"),
     "box_error": (
@@ -39,6 +43,11 @@ LABELS = {
     "size_error": ("Cell sizes against the size function (standard deviation of the ratio)", "1"),
     "outline_distance": ("Discs from the outlines of their floes, mean", "m"),
     "outline_share": ("The same over the radius of a disc of the median floe's area", "1"),
+    "moment_error": (
+        "Second moments of floes of several discs against the image's, over their trace, largest",
+        "1",
+    ),
+    "moment_share": ("Share of these floes whose second moments are off by more than 1 %", "1"),
 }
 
 
@@ -71,8 +80,27 @@ def quality(mask: xr.Dataset, packing: xr.Dataset) -> dict[str, float]:
         "neighbours": 2.0 * len(lo) / len(own),
         "anisotropy": _anisotropy(apart, span),
         "overlap": deepest_overlap(places, radius, int(mobile.sum())),
+        "ashore": _on_land(mask, places[mobile], own) / _plane_area(mask),
     }
     return out | _ice(mask, packing.isel(element=np.flatnonzero(mobile)))
+
+
+def _on_land(mask: xr.Dataset, places: Array, radius: Array) -> float:
+    """Area (m2) of discs on land, as regular polygons of their areas."""
+    grid, land = grid_of(mask), mask["land"].values > 0
+    if not land.any():
+        return 0.0
+    low, high = places - radius[:, None], places + radius[:, None]
+    disc, cell = touched(grid, land, np.column_stack([low, high]))
+    near, row = np.unique(disc, return_inverse=True)
+    if not len(near):
+        return 0.0
+    corners = outlines(places[near], radius[near])
+    start, ring = corners.shape[1] * np.arange(len(near) + 1), corners.reshape(-1, 2)
+    cells, box = np.unique(cell, return_inverse=True)
+    fours, squares = cell_corners(grid, cells)
+    area, _ = shared(fours, squares, start, ring, box, row)
+    return float(area.sum())
 
 
 def _plane_area(mask: xr.Dataset) -> float:

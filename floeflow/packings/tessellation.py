@@ -25,6 +25,8 @@ Flags = NDArray[np.bool_]
 
 # Ring of far points that closes the outermost cells: how many, and at how many half-diagonals.
 GUARDS, GUARD_DISTANCE = 8, 6.0
+# Corners of a cell nearer to each other than this share of their distance from its site are one.
+SAME_CORNER = 1.0e-10
 # Edges shorter than this share of the mean element's diameter are corners, not sides.
 SHORTEST_EDGE = 1.0e-6
 # A cell whose clipped area is smaller by less than this share is whole.
@@ -112,7 +114,14 @@ def _cells(sites: Array, faces: Index, centres: Array, count: int) -> NDArray[np
     off = centres[face] - sites[site]
     angle = np.arctan2(off[:, 1], off[:, 0])
     order = np.lexsort((face, angle, site))
-    rings = shapely.linearrings(centres[face[order]], indices=site[order])
+    site, corner, far = site[order], centres[face[order]], np.hypot(*off[order].T)
+    # More than three sites of equal power at a point: it comes several times, in any order. A side
+    # of round-off that runs backwards would clip all away.
+    first = np.searchsorted(site, np.arange(count))
+    before = np.arange(len(site)) - 1
+    before[first] = np.append(first[1:], len(site)) - 1
+    apart = np.hypot(*(corner - corner[before]).T) > SAME_CORNER * far
+    rings = shapely.linearrings(corner[apart], indices=site[apart])
     return np.asarray(shapely.polygons(rings))
 
 
@@ -169,14 +178,10 @@ def overlay(polygons: NDArray[np.object_], grid: Grid, ice: Flags) -> Overlay:
         Mask grid and its ice cells.
     """
     start, ring = rings_of(polygons)
-    element, cell = _near_cells(grid, ice, shapely.bounds(polygons))
+    element, cell = touched(grid, ice, shapely.bounds(polygons))
     cells, box = np.unique(cell, return_inverse=True)
-    row, column = np.divmod(cells, grid.x.size)
-    x, y = grid.x_edges, grid.y_edges
-    west, south, east, north = x[column], y[row], x[column + 1], y[row + 1]
-    corners = np.stack([west, south, east, south, east, north, west, north], axis=1)
-    fours = 4 * np.arange(cells.size + 1)
-    area, _ = shared(fours, corners.reshape(-1, 2), start, ring, box, element)
+    fours, corners = cell_corners(grid, cells)
+    area, _ = shared(fours, corners, start, ring, box, element)
     some = area > 0
     element, box, area = element[some], box[some], area[some]
     total = np.bincount(box, weights=area, minlength=cells.size)
@@ -184,8 +189,17 @@ def overlay(polygons: NDArray[np.object_], grid: Grid, ice: Flags) -> Overlay:
     return Overlay(element, cells[box], area * scale[box], float(np.abs(scale - 1.0).max()))
 
 
-def _near_cells(grid: Grid, ice: Flags, bounds: Array) -> tuple[Index, Index]:
-    """Pairs of polygon and flat ice cell whose rectangles meet, sorted."""
+def cell_corners(grid: Grid, cells: Index) -> tuple[Index, Array]:
+    """Squares of mask cells, given by flat index, as open rings: starts, and corners (m)."""
+    row, column = np.divmod(cells, grid.x.size)
+    x, y = grid.x_edges, grid.y_edges
+    west, south, east, north = x[column], y[row], x[column + 1], y[row + 1]
+    corners = np.stack([west, south, east, south, east, north, west, north], axis=1)
+    return 4 * np.arange(cells.size + 1), corners.reshape(-1, 2)
+
+
+def touched(grid: Grid, ice: Flags, bounds: Array) -> tuple[Index, Index]:
+    """Pairs of rectangle (west, south, east, north) and flat flagged cell that meet, sorted."""
     first_row, first_column = grid.cell_of(bounds[:, 0], bounds[:, 1])
     last_row, last_column = grid.cell_of(bounds[:, 2], bounds[:, 3])
     wide = last_column - first_column + 1

@@ -163,11 +163,13 @@ class Mask(Block):
     )
     region: str = key(
         "",
-        "Ice is kept inside of this only: a named sea (docs/masks.md) or a GeoJSON file of "
-        "polygons, path from the project's folder.",
+        "Ice is kept inside of this only: a named sea (docs/masks.md) or a GeoJSON file or "
+        "shapefile (.shp) of polygons, path from the project's folder.",
     )
     shoreline: str = key(
-        "", "GeoJSON file of polygons that are land too, path from the project's folder."
+        "",
+        "GeoJSON file or shapefile (.shp) of polygons that are land too, path from the project's "
+        "folder.",
     )
 
 

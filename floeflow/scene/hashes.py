@@ -22,9 +22,9 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "land": ("domain", "mask.refine", "mask.land", "mask.land_fraction"),
     "mask": (
         *("domain", "mask", "packing.generator", "time.start", "effects.mixed_layer"),
-        *("sea.file", "sea.temperature", "sea.salinity"),
+        *("sea.file", "sea.temperature", "sea.salinity", "effects.walls", "walls"),
     ),
-    "packing": ("seed", "packing", "effects.coast"),
+    "packing": ("seed", "packing", "effects.coast", "effects.walls", "walls"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
     "forcing": (
         *("domain", "forcing", "time.start", "time.window", "grounding"),
@@ -63,7 +63,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "trajectory": ("domain.x_min", "domain.x_max", "domain.y_min", "domain.y_max"),
     "estimate": (
         *("effects", "domain", "mask", "packing", "forcing", "time", "dynamics", "column"),
-        "grounding",
+        *("grounding", "walls"),
     ),
     # All that a mesh shows stands in packing and states.
     "mesh": (),
@@ -89,6 +89,8 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
         data.pop("column")
     if "grounding" not in scene.effects:
         data["grounding"] = {}
+    if "walls" not in scene.effects:
+        data["walls"] = {}
     values: dict[str, Any] = {}
     for path in STAGE_KEYS[stage]:
         if path == FORCING_VARIABLES:

@@ -21,6 +21,7 @@ from typing import Any
 from floeflow.core.atomic_write import write_text
 from floeflow.coupling.resume import file_hash
 from floeflow.forcings.files import depth_files, forcing_files
+from floeflow.masks.regions import polygon_inputs
 from floeflow.scene import Scene
 from floeflow.state import read_state
 from floeflow.workflow.library import PACKAGES, library_digest
@@ -38,8 +39,7 @@ def input_files(scene: Scene) -> list[str]:
     mask = scene.mask
     named = [
         mask.labels.file or ("" if mask.uniform else mask.file),
-        mask.shoreline,
-        mask.region if mask.region.endswith("json") else "",
+        *polygon_inputs(mask),
         *forcing_files(scene),
         *depth_files(scene),
         scene.sea.file,

@@ -7,6 +7,7 @@ from floeflow.analysis.estimate.resources import job_memory, job_minutes, job_ra
 from floeflow.analysis.studies.plans import STUDIES, study_variants
 from floeflow.diagnostics.study_summaries import valid_digests
 from floeflow.forcings.files import users_files
+from floeflow.masks.regions import polygon_inputs
 from floeflow.workflow.library import library_digest
 from floeflow.workflow.scenes import Scenes
 
@@ -50,8 +51,7 @@ def mask_file(wildcards):
     """The user's ice mask or labelled image of floes, shoreline and region; none for uniform ice."""
     mask = SCENES.scene(wildcards.scene).mask
     ice = mask.labels.file or ("" if mask.uniform else mask.file)
-    region = mask.region if mask.region.endswith("json") else ""
-    return [path for path in (ice, mask.shoreline, region) if path]
+    return [path for path in (ice, *polygon_inputs(mask)) if path]
 
 
 def land_file(wildcards):

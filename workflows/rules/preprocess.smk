@@ -74,6 +74,7 @@ rule packing:
     input:
         scene=ancient(scene_file),
         mask=made("mask", "preprocess/mask.nc"),
+        walls=wall_mesh,
     output:
         packing="results/{scene}/preprocess/packing.nc",
     log:

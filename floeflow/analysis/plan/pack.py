@@ -7,17 +7,17 @@ Making the pack takes seconds, and the plan then knows the very step that the ru
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
+
 from floeflow.analysis.estimate import cost
 from floeflow.analysis.estimate.conditions import Conditions
 from floeflow.analysis.estimate.cost import Coefficients
 from floeflow.analysis.plan.propose import adjusted
+from floeflow.coupling.first_state import first_pack
 from floeflow.coupling.initial import make_state
 from floeflow.dynamics.motion import engine_params
 from floeflow.dynamics.step.critical import critical_step
-from floeflow.masks.land import make_land
-from floeflow.masks.mask import make_mask
-from floeflow.packings.bonds import make_bonds
-from floeflow.packings.packing import make_packing
 from floeflow.scene import Scene
 from floeflow.state.elements import element_arrays, pair_arrays
 from floeflow.state.schema import COAST, MOBILE
@@ -41,20 +41,14 @@ def fitted_to_pack(scene: Scene, c: Conditions, fit: Coefficients) -> Coefficien
     keys = scene.packing
     keys = keys.model_copy(update={"elements": min(keys.elements, MOST_ELEMENTS)})
     scene = scene.model_copy(update={"packing": keys})
-    land = None
-    if scene.mask.land == "global_land_mask":
-        land = make_land(scene)["land"].values.astype(float)
-    mask = make_mask(scene, land)
-    packing = make_packing(mask, keys, scene.seed, "coast" in scene.effects)
-    bonds = None
-    if "bonds" in scene.effects:
-        bonds = make_bonds(packing, keys.bond_gap, keys.bond_concentration, keys.coast_bonds)
-    state = make_state(scene, packing, bonds)
+    with tempfile.TemporaryDirectory() as scratch:
+        made = first_pack(scene, Path(scratch))
+    state = make_state(scene, made.packing, made.bonds, made.mask)
     elements = element_arrays(state, scene.dynamics.minimum_thickness)
     mobile, coast = (int((elements["type"] == kind).sum()) for kind in (MOBILE, COAST))
     if not mobile:
         return fit
-    pairs = None if bonds is None else pair_arrays(state, "bond")
+    pairs = None if made.bonds is None else pair_arrays(state, "bond")
     step = critical_step(elements, pairs, engine_params(scene))[0]
     typical = cost.critical_step(adjusted(c, scene), scene, scene.effects, fit)
     longer = {name: step / typical * fit[name] for name in fit if name.startswith("step_")}

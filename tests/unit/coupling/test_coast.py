@@ -98,19 +98,23 @@ def test_the_lines_lie_in_the_land_and_close_it() -> None:
     assert len(rings) == 3
 
 
+def anywhere(places: np.ndarray) -> np.ndarray:
+    return np.ones(len(places), dtype=bool)
+
+
 def test_a_sea_without_land_has_no_lines() -> None:
     land = np.zeros((4, 5), dtype=bool)
     start, corner = coastline(grid_of(a_mask(land)), land)
     assert list(start) == [0] and corner.shape == (0, 2)
     places = np.array([[1e4, 1e4]])
-    np.testing.assert_array_equal(off_shore(places, start, corner, 1e3), places)
+    np.testing.assert_array_equal(off_shore(places, start, corner, 1e3, anywhere), places)
 
 
 def test_places_on_the_line_are_moved_to_sea() -> None:
     land = bay()
     start, corner = coastline(grid_of(a_mask(land)), land)
     on_line = np.array([[45e3, 40e3], [80e3, 25e3], [1e5, 1e5]])
-    moved = off_shore(on_line, start, corner, 1e3)
+    moved = off_shore(on_line, start, corner, 1e3, anywhere)
     assert moved[0, 1] > 40e3 and moved[1, 0] > 80e3
     np.testing.assert_array_equal(moved[2], on_line[2])
 

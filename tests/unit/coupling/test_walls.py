@@ -14,7 +14,6 @@ from mpi4py import MPI
 from floeflow.core.errors import FloeError
 from floeflow.coupling.coupled_windows import advance_window
 from floeflow.coupling.initial import make_state
-from floeflow.coupling.initial_walls import cut, make_walls
 from floeflow.diagnostics.budgets import dem_energy_budget, momentum_budget
 from floeflow.dynamics.motion import engine_params
 from floeflow.scene.blocks import Scene
@@ -22,6 +21,7 @@ from floeflow.scene.effects import EFFECTS
 from floeflow.scene.load import parse_scene
 from floeflow.state.elements import element_arrays, pair_arrays
 from floeflow.state.files import read_state, write_state
+from floeflow.state.scene_walls import cut, make_walls
 from floeflow.state.schema import check_state, expected_variables
 from floeflow.state.walls import distances, join, lines, plane
 

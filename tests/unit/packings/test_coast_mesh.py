@@ -12,8 +12,8 @@ import shapely
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import Grid
 from floeflow.core.meshes import read_triangles
-from floeflow.coupling.initial_walls import cut
 from floeflow.packings.coast_mesh import coast_segments, land_polygons, write_coast_mesh
+from floeflow.state.scene_walls import cut
 
 SIDE = 1.0e4
 

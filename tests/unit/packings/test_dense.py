@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from floeflow.core.grids import Grid
 from floeflow.core.near import deepest_overlap
 from floeflow.coupling.compaction import Box, compact, compactor
 from floeflow.packings.dense import disc_sizes
 from floeflow.packings.elements import grid_of
 from floeflow.packings.packing import make_packing
 from floeflow.scene.blocks import Discs, Packing
+from floeflow.state.walls import join, plane
 from unit.packings.test_packing import coastline, mask_of
 
 
@@ -56,6 +58,23 @@ def test_a_periodic_pack_of_two_sizes_reaches_close_packing(tmp_path: Path) -> N
     reach = radius[:, None] + np.tile(radius, 9)
     share = np.where(distance > 0, 1.0 - distance / reach, 0.0)
     assert share.max() == pytest.approx(made.overlap, abs=1e-12)
+
+
+def test_a_wall_at_the_rim_is_the_rim(tmp_path: Path) -> None:
+    """And pushes no second time: the pack is the same with and without, to the bit."""
+    grid = Grid(1e3 * (np.arange(4) + 0.5), 1e3 * (np.arange(3) + 0.5), 1e3, 0.0, 0.0)
+    rng = np.random.default_rng(2)
+    places, radius = rng.uniform(0, 1, (40, 2)) * (4e3, 2.4e3), np.full(40, 240.0)
+    none = np.empty((0, 2)), np.empty(0)
+    rim = [plane(0.0, 0.0, (1.0, 0.0)), plane(4e3, 3e3, (-1.0, 0.0), (-0.5, 0.0))]
+    inner = [plane(0.0, 0.0, (0.0, 1.0)), plane(1e3, 2.5e3, (0.0, -1.0))]
+    free, walled, lower = (
+        compactor(grid, tmp_path, walls and join(walls))(places, radius, *none, 1e-3)
+        for walls in (None, rim, inner)
+    )
+    np.testing.assert_array_equal(free, walled)
+    # A wall within holds the discs before it.
+    assert free[:, 1].max() > 2.4e3 > lower[:, 1].max()
 
 
 def test_jammed_discs_say_what_overlap_is_left(tmp_path: Path) -> None:

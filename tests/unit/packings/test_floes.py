@@ -102,11 +102,22 @@ def test_each_floe_keeps_area_centroid_and_second_moments(
         assert area < plane[row] < 1.03 * area
         at = np.array([x[mine].mean(), y[mine].mean()])
         assert np.hypot(*(middle[row] - at)) < 0.01 * np.sqrt(area / np.pi)
-        # Three discs in a row have no width but their own.
-        if (of == row).sum() > 3:
+        if (of == row).sum() > 1:
             off = np.stack([x[mine], y[mine]]) - at[:, None]
             wanted = off @ off.T / mine.sum() + PIXEL**2 / 12 * np.eye(2)
             assert np.abs(second[row] - wanted).max() < 0.01 * wanted.trace()
+
+
+def test_a_floe_that_its_discs_cannot_show_gets_one_more() -> None:
+    """Three discs in a row have no width but their own: as many fewest as before, or more."""
+    # An ellipse three times as long as wide, of three mean elements.
+    y, x = np.mgrid[:120, :160] * PIXEL
+    ellipse = ((x - 80 * PIXEL) / 3) ** 2 + (y - 60 * PIXEL) ** 2 < (20 * PIXEL) ** 2
+    mask = mask_of_floes(ellipse.astype(np.int32))
+    made = packing.make_packing(mask, Packing(generator="floes", elements=3), 3, False)
+    assert made.sizes["element"] > 3
+    assert float(made["quality_moment_error"]) < 0.01
+    assert float(made["quality_moment_share"]) == 0.0
 
 
 def test_bonds_join_each_floe_and_no_two(packed: xr.Dataset) -> None:

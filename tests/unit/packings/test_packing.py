@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from floeflow.packings import bonds, packing, tessellation
 from floeflow.packings.elements import grid_of
 from floeflow.scene.blocks import Packing
+from floeflow.state import walls
 from floeflow.state.files import checksum
 
 SPACING = 5.0e4
@@ -94,10 +95,13 @@ def check_places(mask: xr.Dataset, packed: xr.Dataset) -> None:
 
 
 def check_no_overlap(packed: xr.Dataset) -> None:
+    """Discs of ice with each other and with the coast's, which may overlap among themselves."""
     x, y, radius = (packed[name].values for name in ("x", "y", "radius"))
     distance = np.hypot(x[:, None] - x, y[:, None] - y)
     reach = radius[:, None] + radius
     np.fill_diagonal(distance, np.inf)
+    coast = ~mobile(packed)
+    distance[coast[:, None] & coast] = np.inf
     assert (reach <= distance).all()
     assert (radius > 0).all()
 
@@ -108,13 +112,66 @@ def test_areas_and_ice_are_those_of_the_mask(mask: xr.Dataset, packed: xr.Datase
     assert (packed["ice_fraction"].values <= 1).all()
 
 
-def test_no_two_discs_overlap_and_each_touches_one(packed: xr.Dataset) -> None:
+def shore_lines(packed: xr.Dataset) -> shapely.Geometry:
+    corner = np.column_stack([packed["coast_x"].values, packed["coast_y"].values])
+    start = packed["coast_start"].values
+    of = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    return shapely.multilinestrings(list(shapely.linearrings(corner, indices=of)))
+
+
+def test_no_two_discs_overlap_and_each_touches_one_or_the_coast(packed: xr.Dataset) -> None:
     check_no_overlap(packed)
     x, y, radius = (packed[name].values for name in ("x", "y", "radius"))
     gap = np.hypot(x[:, None] - x, y[:, None] - y) - radius[:, None] - radius
     np.fill_diagonal(gap, np.inf)
-    touching = gap.min(axis=1) < 1e-6 * radius
+    away = shapely.distance(shore_lines(packed), shapely.points(x, y)) - radius
+    touching = np.minimum(gap.min(axis=1), away) < 1e-6 * radius
     assert touching[mobile(packed)].mean() > 0.9
+
+
+def test_discs_do_not_reach_over_the_coast(mask: xr.Dataset, packed: xr.Dataset) -> None:
+    """Under 0.1 % of the ice's area (0.5 % when radii did not know the lines)."""
+    assert 0.0 <= float(packed["quality_ashore"]) < 1e-3
+    is_mobile = mobile(packed)
+    x, y, radius = (packed[name].values[is_mobile] for name in ("x", "y", "radius"))
+    over = radius - shapely.distance(shore_lines(packed), shapely.points(x, y))
+    # Only where the water is too narrow for the smallest disc that there may be.
+    slim = 0.25 * np.sqrt((mask["siconc"].values > 0).sum() * SPACING**2 / 300 / np.pi)
+    assert (radius[over > 1e-6 * radius] < 1.001 * slim).all()
+    # The figure itself, by another way; it takes discs as 24 corners.
+    row, column = np.nonzero(mask["land"].values)
+    grid = grid_of(mask)
+    west, south = grid.x_edges[column], grid.y_edges[row]
+    land = shapely.union_all(shapely.box(west, south, west + SPACING, south + SPACING))
+    discs = shapely.buffer(shapely.points(x, y), radius, quad_segs=8)
+    shown = shapely.area(shapely.intersection(discs, land)).sum()
+    ice = (mask["siconc"].values > 0).sum() * SPACING**2
+    assert float(packed["quality_ashore"]) == pytest.approx(shown / ice, rel=0.1, abs=1e-7)
+
+
+def test_discs_keep_clear_of_walls() -> None:
+    """A plane at the ice, a line across it: discs end there, and hold the mask's ice."""
+    siconc = np.full((20, 24), 0.9)
+    siconc[:, :5] = 0.0
+    mask = mask_of(siconc, np.zeros((20, 24), dtype=bool))
+    across = walls.lines(np.array([[[1.0e5, 2.0e5], [4.0e5, 6.0e5]]]))
+    faces = walls.join([walls.plane(-2.5e5, 0.0, (1.0, 0.0)), across])
+    made = packing.make_packing(mask, Packing(elements=200), 3, walls=faces)
+    x, y, radius = (made[name].values for name in ("x", "y", "radius"))
+    room = walls.distances(faces, x[:, None], y[:, None]).min(axis=1)
+    assert (room >= radius * (1 - 1e-9)).all()
+    assert float(abs(made["quality_area_error"])) < 1e-12
+
+
+def test_the_coasts_discs_reach_the_ice_that_ends_at_the_coast(packed: xr.Dataset) -> None:
+    """Else ice that broke from the coast would never touch it again."""
+    ice = mobile(packed)
+    x, y, radius = (packed[name].values for name in ("x", "y", "radius"))
+    away = shapely.distance(shore_lines(packed), shapely.points(x, y)) - radius
+    at_line = ice & (np.abs(away) < 1e-6 * radius)
+    gap = np.hypot(x[at_line, None] - x[~ice], y[at_line, None] - y[~ice]) - radius[~ice]
+    touching = gap.min(axis=1) - radius[at_line] < 0.01 * radius[at_line]
+    assert at_line.sum() > 20 and touching.mean() > 0.8
 
 
 def test_discs_lie_in_their_power_cells(mask: xr.Dataset, packed: xr.Dataset) -> None:

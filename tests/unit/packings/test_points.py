@@ -62,6 +62,21 @@ def test_power_diagram_of_two_discs_is_their_radical_axis() -> None:
     assert area == pytest.approx([10 * axis, 100 - 10 * axis], rel=1e-12)
 
 
+def test_discs_in_a_row_share_their_strip() -> None:
+    """Where many sites have equal power at one point, cells stay convex and tile the plane."""
+    x = [32799.59884698439, 33599.866282328134, 34400.133717671866, 35200.40115301561]
+    radius = [float.fromhex(f"0x1.90223b5241{last}p+8") for last in ("e81", "d81", "d81", "e81")]
+    places = np.column_stack([x, np.full(4, 21375.0)])
+    grid = Grid(32625.0 + 250.0 * np.arange(12), 20875.0 + 250.0 * np.arange(5), 250.0, 32500.0,
+                20750.0)  # fmt: skip
+    diagram = tessellation.power_diagram(places, np.array(radius), grid)
+    found = tessellation.overlay(diagram.polygons, grid, np.ones(grid.shape, bool))
+    assert found.correction < 1e-9
+    inner = np.array([32500.0, 33199.73256465626, 34000.0, 34800.26743534374, 35500.0])
+    area = np.bincount(found.element, found.area)
+    np.testing.assert_allclose(area, np.diff(inner) * 1250.0, rtol=1e-9)
+
+
 def test_radii_of_three_in_a_row() -> None:
     places = np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]])
     radius = discs.radii(places, np.full(3, 10.0))
