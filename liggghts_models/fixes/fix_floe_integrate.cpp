@@ -43,6 +43,7 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
       law{},
       start_time(0.0),
       ask_fused(false),
+      arrays_current_(true),
       first_kick(true),
       stop_at_fault(true),
       default_thickness(1.0),
@@ -214,6 +215,7 @@ void FixFloeIntegrate::warn_of_others() {
 }
 
 void FixFloeIntegrate::pre_exchange() {
+  write_velocities();
   if (pairs) pairs->lists_change();
 }
 
