@@ -42,8 +42,8 @@ BondShape PairFloe::shape_of(int number) {
           {at(B::hi_bx), at(B::hi_by)},
           h ? h[slot::span] : 0.0,
           h ? h[slot::bond_thickness] : 0.0,
-          at(B::crack_a),
-          at(B::crack_b)};
+          bonded_.crack_a(number),
+          bonded_.crack_b(number)};
 }
 
 BondConstants PairFloe::constants_at(int number) {
@@ -81,7 +81,7 @@ void PairFloe::each_pair(const std::function<void(const PairState &)> &visit) {
            own ? force.torque_lo : force.torque_hi,
            own ? force.torque_hi : force.torque_lo,
            bond_energy(bond, constants, shape, line),
-           bonded_.at(BondBlock::share, k),
+           bonded_.share(k),
            bonded_.places[k].history,
            k});
   }
