@@ -89,10 +89,19 @@ def layer_temperatures(columns: Columns, settings: Settings) -> tuple[Array, Arr
     return snow, ice
 
 
+# Share of ice from which on open water counts as leads in a closed pack.
+PACK = 0.8
+
+
 def first_columns(
-    fraction: Array, volume: Array, snow: Array, surface: float, settings: Settings
+    fraction: Array,
+    volume: Array,
+    snow: Array,
+    surface: float,
+    settings: Settings,
+    lead_ice: float = 0.0,
 ) -> Columns:
-    """Columns of ice of one thickness in each element.
+    """Columns of ice of one thickness in each element, and of young ice on its leads.
 
     Parameters
     ----------
@@ -104,6 +113,8 @@ def first_columns(
         Temperature of the surface (K), not above the freezing point.
     settings : Settings
         Which categories and layers there are, and which processes.
+    lead_ice : float
+        Thickness of bare ice on the open water of columns that are ``PACK`` or more covered (m).
 
     Returns
     -------
@@ -121,12 +132,21 @@ def first_columns(
         full[row, place] = values
         return full
 
+    share, ice_volume, snow_volume = (spread(v) for v in (fraction, volume, snow * fraction))
+    if lead_ice > 0.0:
+        leads = np.where(fraction >= PACK, 1.0 - fraction, 0.0)
+        share[:, 0] += leads
+        ice_volume[:, 0] += leads * lead_ice
+    there = share > 0.0
+    ice, cover = (
+        np.divide(v, share, out=np.zeros(shape), where=there) for v in (ice_volume, snow_volume)
+    )
     freezing = freezing_point(settings) + KELVIN
     top = np.full(shape, min(surface, freezing))
     columns = {
-        "ice_fraction": spread(fraction),
-        "ice_volume": spread(volume),
-        "snow_volume": spread(snow * fraction),
+        "ice_fraction": share,
+        "ice_volume": ice_volume,
+        "snow_volume": snow_volume,
         "surface_temperature": top if settings.scheme != "zero_layer" else np.full(shape, freezing),
         "sea_temperature": np.full(shape[0], freezing),
         "pending_freeze": np.zeros(shape[0]),
@@ -134,10 +154,8 @@ def first_columns(
     if settings.scheme == "zero_layer":
         return columns
     columns |= dict.fromkeys(LEVEL, np.zeros(shape))
-    columns["level_area"] = columns["level_volume"] = np.where(spread(fraction) > 0.0, 1.0, 0.0)
-    return columns | _first_layers(
-        spread(thickness), spread(snow), min(surface, freezing), settings
-    )
+    columns["level_area"] = columns["level_volume"] = np.where(there, 1.0, 0.0)
+    return columns | _first_layers(ice, cover, min(surface, freezing), settings)
 
 
 def _first_layers(ice: Array, snow: Array, top: float, settings: Settings) -> Columns:

@@ -31,14 +31,17 @@ BLOCK = 4_000_000
 def layered_physics(settings: Settings) -> Physics:
     """Constants of layered ice under these settings."""
     defaults = Physics()
+    mushy, convergent = settings.scheme == "mushy", settings.variant == "convergent"
     return Physics(
-        mushy=settings.scheme == "mushy",
+        mushy=mushy,
         mixed=settings.has("mixed_layer"),
         frazil=settings.has("frazil"),
         delta_eddington=settings.needs_sun,
         ponds=settings.has("ponds"),
-        ponds_cover_level=settings.pond_scheme == "icepack",
-        flush_time=0.0 if settings.pond_scheme == "icepack" else HOUR,
+        ponds_cover_level=not convergent,
+        flush_time=HOUR if convergent else 0.0,
+        drained_by_depth=convergent,
+        redistribute_light=convergent and mushy,
         lateral_rate=defaults.lateral_rate if settings.has("lateral_melt") else 0.0,
         new_ice_thickness=settings.new_ice_thickness,
         least_thickness=defaults.least_thickness if settings.categories > 1 else 0.1,

@@ -120,8 +120,8 @@ class Settings:
         m.
     light : str
         ccsm3, or delta_eddington, which asks for the height of the sun; of layered ice.
-    pond_scheme : str
-        level, or icepack: how ponds spread and what limits flushing.
+    variant : str
+        convergent, or icepack: ponds, flushing and light in melting layers.
     """
 
     scheme: str = "zero_layer"
@@ -133,7 +133,7 @@ class Settings:
     ocean_salinity: float = 34.0
     mixed_layer_depth: float = 20.0
     light: str = "ccsm3"
-    pond_scheme: str = "level"
+    variant: str = "convergent"
 
     @property
     def needs_sun(self) -> bool:

@@ -54,16 +54,20 @@ class Physics(NamedTuple):
         A mixed layer stores heat, else the sea stays at its freezing point; open water freezes.
     delta_eddington : bool
         Light of many directions (Briegleb and Light 2007), else that of CCSM3.
+    drained_by_depth : bool
+        The upper quarter of the ice is drained (light of many directions), else the first layer
+        counts as a quarter of the ice, as in the column physics that made the reference.
     redistribute_light : bool
         Light that would bring a layer near its melting point is absorbed at the surface instead.
     ponds : bool
         Level-ice melt ponds (Hunke et al. 2013).
     ponds_cover_level : bool
-        Ponds that have water spread over all level ice at each step, with their depth, as in the
-        column physics that made the reference; else they keep their area and water.
+        Ponds as in the column physics that made the reference: those that have water spread over
+        all level ice at each step, with their depth. Else area follows the water.
     flush_time : float
-        Time (s) in which at most 0.5 % of the brine of the tightest layer is washed out; 0: a
-        step, as in the column physics that made the reference.
+        Time (s) in which at most 0.5 % of the brine of the tightest layer, as thick as a seventh of
+        the ice, is washed out; 0: a step and a layer, as in the column physics that made the
+        reference.
     pond_lids : bool
         Ponds freeze over (Hunke et al. 2013), else they shrink in the cold (Holland et al. 2012).
     flushing : bool
@@ -172,6 +176,7 @@ class Physics(NamedTuple):
     mixed: bool = True
     frazil: bool = True
     delta_eddington: bool = False
+    drained_by_depth: bool = False
     redistribute_light: bool = False
     ponds: bool = False
     ponds_cover_level: bool = True

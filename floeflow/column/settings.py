@@ -21,5 +21,5 @@ def column_settings(scene: Scene) -> Settings:
         ocean_salinity=column.ocean_salinity,
         mixed_layer_depth=column.mixed_layer_depth,
         light=column.light,
-        pond_scheme=column.pond_scheme,
+        variant=column.variant,
     )

@@ -119,7 +119,8 @@ def _columns(scene: Scene, packing: xr.Dataset) -> dict[str, np.ndarray]:
     fraction, volume = (packing[name].values.sum(axis=1) for name in ("ice_fraction", "ice_volume"))
     snow = np.full(len(fraction), scene.mask.snow_thickness)
     surface = scene.column.initial_surface
-    columns = first_columns(fraction, volume, snow, surface, column_settings(scene))
+    settings = column_settings(scene)
+    columns = first_columns(fraction, volume, snow, surface, settings, scene.mask.lead_ice)
     for name in columns.keys() & {"level_area", "level_volume"}:
         columns[name] = columns[name] * scene.mask.level_share
     return columns

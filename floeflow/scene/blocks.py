@@ -162,6 +162,14 @@ class Mask(Block):
     snow_thickness: float = key(
         0.2, "Snow on the ice at the start (read with thermodynamics).", "m", ge=0, le=5
     )
+    lead_ice: float = key(
+        0.0,
+        "Thickness of the young ice on the leads of ice of 80 % and more at the start, which "
+        "radiometers take for water in winter; 0: open leads (read with thermodynamics).",
+        "m",
+        ge=0,
+        le=0.3,
+    )
     level_share: float = key(
         1.0,
         "Share of the ice's area that no ridge covers at the start (read with ponds, which lie on "
@@ -526,10 +534,10 @@ class Column(Block):
     light: Literal["ccsm3", "delta_eddington"] = key(
         "ccsm3", "Light in snow and ice (bl99, mushy): of CCSM3, or of many directions."
     )
-    pond_scheme: Literal["level", "icepack"] = key(
-        "level",
-        "Ponds that keep their area, and flushing limited by the hour; or, to compare with "
-        "Icepack, ponds spread over all level ice and flushing limited by the step, as there.",
+    variant: Literal["convergent", "icepack"] = key(
+        "convergent",
+        "Ponds, flushing and light in melting layers (bl99, mushy) in a form that converges with "
+        "step, layers and categories; or as in Icepack, to compare (docs/theory/column_ponds.md).",
     )
     layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
     step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)

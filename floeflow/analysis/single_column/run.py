@@ -45,10 +45,10 @@ def arguments() -> argparse.ArgumentParser:
     add("--layers", type=int, default=7, help="layers of ice (bl99, mushy)")
     add("--light", choices=("ccsm3", "delta_eddington"), default="ccsm3", help="in snow and ice")
     add(
-        "--pond-scheme",
-        choices=("level", "icepack"),
-        default="level",
-        help="how ponds spread and what limits flushing (docs/theory/column_ponds.md)",
+        "--variant",
+        choices=("convergent", "icepack"),
+        default="convergent",
+        help="ponds, flushing and light in melting layers (docs/theory/column_ponds.md)",
     )
     add("--ponds", action="store_true", help="melt ponds (bl99, mushy)")
     add("--without", nargs="+", choices=PROCESSES, default=[], help="processes to leave out")
@@ -107,7 +107,7 @@ def settings_of(given: argparse.Namespace) -> Settings:
         scheme=given.scheme,
         processes=(*processes, "ponds") if given.ponds else processes,
         light=given.light,
-        pond_scheme=given.pond_scheme,
+        variant=given.variant,
         categories=given.categories,
         layers=given.layers,
         step=given.step,

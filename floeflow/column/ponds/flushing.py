@@ -13,6 +13,7 @@ from floeflow.column.thermodynamics.mush import brine_density, brine_salinity
 
 FRESH = 1000.0  # density of pond water (kg/m3)
 LARGEST_SHARE = 0.005  # of the brine of a layer that is washed out at most in `flush_time`
+USUAL_LAYERS = 7  # for which that share was chosen
 
 
 @jit
@@ -52,5 +53,7 @@ def flushing(w, first, ice, snow, depth, area, dt, p):
     speed = min(speed, depth * area / dt)
     if speed <= TINY:
         return 0.0
-    time = p.flush_time if p.flush_time > 0.0 else dt
-    return min(speed, LARGEST_SHARE * least * ice / layers / time)
+    time, parts = dt, layers
+    if p.flush_time > 0.0:
+        time, parts = p.flush_time, USUAL_LAYERS
+    return min(speed, LARGEST_SHARE * least * ice / parts / time)

@@ -84,7 +84,7 @@ def flush(c, n, speed, dt, sums, p):
 
 @jit
 def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
-    """Advance the ponds of category n by a step (eqs. 1 to 5).
+    """Advance the ponds of category n by a step (eqs. 1 and 3 to 5).
 
     Parameters
     ----------
@@ -123,12 +123,14 @@ def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
     if p.ponds_cover_level and flat > TINY:
         sums[POND_LOST] -= cover * (flat - area) * depth
         area = flat
+    # What runs off a floe depends on the leads around it, not on how categories divide the ice.
+    around = cover if p.ponds_cover_level else min(c.area.sum(), 1.0)
     water = depth * area
     if ice < p.least_thickness:
         sums[POND_LOST] += cover * water
         level[POND_AREA] = level[POND_DEPTH] = level[POND_LID] = 0.0
         return
-    catch = p.least_catch + (p.most_catch - p.least_catch) * cover
+    catch = p.least_catch + (p.most_catch - p.least_catch) * around
     gain = catch * (melted + rain) / FRESH
     sums[POND_GAIN] += cover * gain
     if p.pond_lids:
@@ -146,7 +148,10 @@ def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
     whole = water + change
     sums[POND_LOST] += cover * min(whole, 0.0)
     water = max(whole, 0.0)
-    area, depth = shape(area if whole > 0.0 else 0.0, water, change, flat, cover, p)
+    if p.ponds_cover_level:
+        area, depth = shape(area if whole > 0.0 else 0.0, water, change, flat, cover, p)
+    else:
+        area, depth = basin(water, flat, p)
     # No deeper than what keeps the ice afloat.
     most = ((p.water_density - p.ice_density) * ice - p.snow_density * snow) / FRESH
     depth = min(depth, most)
@@ -155,6 +160,8 @@ def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
     if not p.mushy and p.pond_seepage > TINY and depth > 0.0:
         kept = depth * area
         area, depth = seep(w, first, ice, snow, area, depth, flat, cover, dt, p)
+        if not p.ponds_cover_level:
+            area, depth = basin(depth * area, flat, p)
         sums[POND_DRAINED] += cover * (kept - depth * area)
         water -= kept - depth * area
     sums[POND_LOST] += cover * (water - depth * area)
@@ -189,7 +196,7 @@ def lid_growth(lid, depth, gain, air, flux, on_lid, dt, p):
 
 @jit
 def shape(area, water, change, flat, cover, p):
-    """Area and depth of a pond that holds water and changed by so much (eq. 5; m of the ice)."""
+    """Area and depth of a pond that holds water and changed by so much, as in the reference."""
     if area * cover > TINY:
         area = max(min(area + 0.5 * change / (p.pond_aspect * area), flat), 0.0)
         return (area, water / area) if area > TINY else (area, 0.0)
@@ -197,6 +204,13 @@ def shape(area, water, change, flat, cover, p):
         area = min(math.sqrt(water / p.pond_aspect), flat)
         return area, p.pond_aspect * area
     return 0.0, 0.0
+
+
+@jit
+def basin(water, flat, p):
+    """Area and depth of a pond that holds water (m of the ice), (eq. 5)."""
+    area = min(math.sqrt(water / p.pond_aspect), flat)
+    return (area, water / area) if area > TINY else (0.0, 0.0)
 
 
 @jit

@@ -42,6 +42,7 @@ from floeflow.column.shortwave.scattering import (
 BARE, SNOW, POND = range(3)
 SNOW_SKIN, ICE_SKIN = 0.04, 0.05  # most of what is the scattering surface (m)
 DEEP_POND = 0.2  # m, from which on the ice below a pond has properties of its own
+DRAINED_SHARE = 0.25  # of the ice's thickness, from the top, that is drained
 
 
 # Rows of media: bare ice (skin, drained, inside) in each band, then what a band is mixed anew for.
@@ -49,7 +50,8 @@ ICE_MEDIA = 3 * BANDS
 WATER = ICE_MEDIA  # or snow
 BOTTOM = WATER + 1  # the lowest ice layer with its algae
 PONDED = BOTTOM + 1  # ice under ponds: skin, first layer, inside
-MEDIA = PONDED + 3
+MIXED = PONDED + 3  # a layer that is drained in part
+MEDIA = MIXED + 1
 
 
 @jit
@@ -140,6 +142,8 @@ def shine(kind, share, ice, snow, pond, surface, first, w, rays, f, p):
         elif kind == POND:
             mix_medium(rays.media, WATER, WATER_EXTINCTION[band], 0.0, 0.0)
             mix_ponded(rays.media, pond, layers, band, p)
+        if p.drained_by_depth:
+            mix_drained(rays.media, pond if kind == POND else 0.0, layers, band, p)
         last = shine_band(kind, band, ice, snow, pond, first, layers, sun, inner, rays, p)
         ground = OCEAN_ALBEDO[band] if last == first + layers + 2 else 0.0
         start = first + 1 if kind == BARE else 0
@@ -165,15 +169,30 @@ def mix_ponded(media, pond, layers, band, p):
     for place in range(3):
         deep, absorbs = ice_scattering(POND_SURFACE if place == 0 else POND_INSIDE, band, p)
         bare, _ = ice_scattering(place, band, p)
-        if place == DRAINED:
-            bare *= drained_depth(layers)
+        if place == DRAINED and not p.drained_by_depth:
+            bare *= DRAINED_SHARE * layers
         mix_ice(media, PONDED + place, bare + (deep - bare) * wet, absorbs)
 
 
 @jit
-def drained_depth(layers):
-    """Factor by which the drained layer is as deep however many layers of ice there are."""
-    return 0.25 * layers
+def mix_drained(media, pond, layers, band, p):
+    """Set the medium of the layer that is drained in part, under a pond (m) or none."""
+    wet = min(pond / DEEP_POND, 1.0)
+    share = (DRAINED_SHARE * layers) % 1.0
+    drained, absorbs = ice_scattering(DRAINED, band, p)
+    inside, absorbs_inside = ice_scattering(INSIDE, band, p)
+    deep, _ = ice_scattering(POND_INSIDE, band, p)
+    bare = share * drained + (1.0 - share) * inside
+    absorbs = share * absorbs + (1.0 - share) * absorbs_inside
+    mix_ice(media, MIXED, bare + (deep - bare) * wet, absorbs)
+
+
+@jit
+def drained_share(place, layers, p):
+    """Share of a layer, counted from 1 at the top, that is drained."""
+    if not p.drained_by_depth:
+        return 1.0 if place == 1 else 0.0
+    return min(max(DRAINED_SHARE * layers - (place - 1), 0.0), 1.0)
 
 
 @jit
@@ -205,8 +224,11 @@ def shine_band(kind, band, ice, snow, pond, first, layers, sun, inner, rays, p):
         else:
             place = k - first - 1
             thick = ice_skin if place == 0 else ice_layer - (ice_skin if place == 1 else 0.0)
-            sort = min(place, INSIDE)
-            if kind == POND:
+            drained = drained_share(place, layers, p) if place > 0 else 0.0
+            sort = place if place == 0 else (DRAINED if drained >= 1.0 else INSIDE)
+            if 0.0 < drained < 1.0:
+                medium = MIXED
+            elif kind == POND:
                 medium = PONDED + sort
             elif place == layers:
                 medium = INSIDE * BANDS + band
@@ -217,8 +239,8 @@ def shine_band(kind, band, ice, snow, pond, first, layers, sun, inner, rays, p):
                     medium = BOTTOM
             else:
                 medium = sort * BANDS + band
-                if sort == DRAINED:
-                    thick *= drained_depth(layers)
+                if sort == DRAINED and not p.drained_by_depth:
+                    thick *= DRAINED_SHARE * layers
         if medium == medium_before and thick == thick_before and k - 1 != mirror and k != mirror:
             copy_layer(rays, k)
         else:

@@ -99,6 +99,25 @@ def test_ridges_of_the_start_leave_a_share_of_level_ice(scene: Scene, packed: xr
         np.testing.assert_array_equal(state[name].values, np.where(ice, 0.65, 0.0))
 
 
+@pytest.mark.parametrize("scheme", ["zero_layer", "bl99", "mushy"])
+def test_leads_of_the_pack_bear_young_ice(scene: Scene, packed: xr.Dataset, scheme: str) -> None:
+    column = scene.column.model_copy(
+        update={"scheme": scheme, "categories": 1 if scheme == "zero_layer" else 5}
+    )
+    block = scene.mask.model_copy(update={"lead_ice": 0.1})
+    plain = scene.model_copy(update={"column": column})
+    states = state_of(plain, packed), state_of(plain.model_copy(update={"mask": block}), packed)
+    open_leads, frozen = (state["ice_fraction"].values.sum(axis=1) for state in states)
+    pack = open_leads >= 0.8
+    assert 0 < pack.sum() < len(pack)
+    np.testing.assert_allclose(frozen[pack], 1.0, rtol=1e-12)
+    np.testing.assert_array_equal(frozen[~pack], open_leads[~pack])
+    grown = [state["ice_volume"].values.sum(axis=1) for state in states]
+    np.testing.assert_allclose(grown[1] - grown[0], 0.1 * (frozen - open_leads), atol=1e-12)
+    snow = [state["snow_volume"].values.sum() for state in states]
+    assert snow[0] == pytest.approx(snow[1], rel=1e-12)
+
+
 def test_an_effect_left_out_leaves_no_variable(scene: Scene, packed: xr.Dataset) -> None:
     state = state_of(scene.model_copy(update={"effects": BARE}), packed)
     check_state(state)

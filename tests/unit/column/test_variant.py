@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Ponds keep their area, and what flushing washes out does not depend on the step."""
+"""Melt converges with step and layers; area follows the water of ponds."""
 
 from __future__ import annotations
 
@@ -7,12 +7,16 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numba import njit
 
 from floeflow.column.initial_columns import first_columns
 from floeflow.column.params import Settings
 from floeflow.column.physics import Physics
 from floeflow.column.ponds.flushing import flushing
+from floeflow.column.ponds.ponds import basin
 from floeflow.column.schemes import advance_columns
 from floeflow.scene.effects import column_variables
 
@@ -56,9 +60,59 @@ def summer(settings: Settings) -> tuple[float, float]:
 
 def test_ponds_spread_over_all_ice_in_the_way_of_icepack_alone() -> None:
     _, share = summer(SETTINGS)
-    _, spread = summer(replace(SETTINGS, pond_scheme="icepack"))
+    _, spread = summer(replace(SETTINGS, variant="icepack"))
     assert spread > 0.9
-    assert 0.1 < share < 0.8
+    assert 0.15 < share < 0.35  # of the ice in constant melt; SHEBA had 0.24 at most
+
+
+@pytest.mark.parametrize("categories", [1, 5])
+def test_melt_does_not_depend_on_the_step(categories: int) -> None:
+    settings = replace(SETTINGS, categories=categories)
+    hours, _ = summer(settings)
+    quarters, _ = summer(replace(settings, step=900.0))
+    assert abs(hours - quarters) < 0.01 * (2.0 - quarters)
+
+
+@pytest.mark.parametrize("categories", [1, 5])
+def test_melt_converges_with_the_layers(categories: int) -> None:
+    few, usual, many, most = (
+        2.0 - summer(replace(SETTINGS, categories=categories, layers=layers))[0]
+        for layers in (4, 7, 14, 28)
+    )
+    assert 0.0 < most - many < 0.75 * (many - usual) < 0.75 * (usual - few)
+    assert most - usual < 0.25 * most
+
+
+@njit
+def held(water, level, p):
+    """Area and depth of a pond; compiled functions call it only."""
+    return basin(water, level, p)
+
+
+@given(st.floats(0.0, 1.0), st.sampled_from([0.0, 1e-3, 0.2, 0.65, 1.0]))
+def test_a_pond_holds_its_water_within_the_level_ice(water: float, level: float) -> None:
+    p = Physics(mushy=True, ponds=True)
+    area, depth = held(water, level, p)
+    assert 0.0 <= area <= level
+    if level > 0.0 and water > 1e-20:
+        assert abs(area * depth - water) <= 1e-15
+    if 0.0 < area < level:
+        assert abs(depth - p.pond_aspect * area) <= 1e-14
+
+
+def test_what_ponds_catch_does_not_depend_on_how_categories_divide_the_ice() -> None:
+    """Five days in which snow melts alone, so that all categories melt alike."""
+    water = []
+    for categories in (1, 5):
+        settings = replace(SETTINGS, categories=categories)
+        every = first_columns(np.ones(1), np.full(1, 2.0), np.full(1, 0.3), 271.0, settings)
+        effects = ("thermodynamics", *settings.processes)
+        columns = {name: every[name] for name in column_variables(effects, settings.scheme)}
+        sample = {name: np.full(1, value) for name, value in SUMMER.items()}
+        _, sums = advance_columns(columns, lambda _, s=sample: s, (0.0, 5 * DAY), settings)
+        water.append(float(sums["pond_gain"][0]))
+    assert water[0] > 0.01
+    assert abs(water[1] / water[0] - 1.0) < 0.05
 
 
 @njit
