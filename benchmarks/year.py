@@ -143,8 +143,10 @@ def draw(folder: Path, path: Path) -> None:
     numbers = np.arange(len(found.months))
     axes[2].plot(numbers, found.extent / KM2 / 1e6, "o-", label="extent (million km2)")
     axes[2].plot(numbers, found.volume / KM3 / 1e3, "s--", label="volume (1000 km3)")
-    for month, whole in EXTENT.items():
-        axes[2].plot(month - 1, whole * INSIDE[month], "k*", markersize=12)
+    for number, name in enumerate(found.months):
+        month = int(str(name)[5:7])
+        if month in EXTENT:
+            axes[2].plot(number, EXTENT[month] * INSIDE[month], "k*", markersize=12)
     axes[2].plot([], [], "k*", label="extent observed, 1979 to 1990")
     axes[2].set_xticks(numbers, [str(month)[2:] for month in found.months], rotation=90)
     axes[2].set_ylim(0.0)

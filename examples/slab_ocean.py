@@ -20,6 +20,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from floeflow.core.errors import FloeError
 from floeflow.coupling.model import IceModel
 
 Array = NDArray[np.float64]
@@ -103,8 +104,26 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, default=Path("results/slab_ocean"))
     parser.add_argument("--temperature", type=float, default=-1.5, help="at the start, degrees C")
     given = parser.parse_args()
+    try:
+        couple(given)
+    except FloeError as error:
+        parser.exit(1, f"{error}\n")
+
+
+def couple(given: argparse.Namespace) -> None:
+    """Run scene and ocean to the scene's end.
+
+    Raises
+    ------
+    FloeError
+        For a scene that has a sea of its own, or no thermodynamics; as the model.
+    """
     model = IceModel()
     model.initialize(given.scene)
+    if "mixed_layer" in model.scene.effects:
+        raise FloeError(f"{given.scene}: the effect mixed_layer is a sea of its own: leave it out")
+    if "ocean_heat_flux" not in model.get_input_var_names():
+        raise FloeError(f"{given.scene}: a slab ocean needs the effect thermodynamics")
     shape = model.get_grid_shape()
     ocean = SlabOcean(np.full(shape, given.temperature), np.full(shape, 34.0))
     given.folder.mkdir(parents=True, exist_ok=True)

@@ -7,11 +7,13 @@ from pathlib import Path
 from floeflow.coupling.chunk import Chunk, run_chunk
 from floeflow.coupling.launch import warn_of_step
 from floeflow.workflow.job import Snakemake, launcher_of, run_script, scene_folder, scene_of
+from floeflow.workflow.library import check_made_with
 
 
 def main(snakemake: Snakemake) -> None:
     """Run the rule."""
     scene = scene_of(snakemake)
+    check_made_with(Path(snakemake.input.plugin), snakemake.params.made_with)
     warn_of_step(scene)
     # The ranks inherit it.
     os.environ["FLOEFLOW_PLUGIN"] = str(Path(snakemake.input.plugin).resolve())

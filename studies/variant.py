@@ -10,11 +10,13 @@ from floeflow.analysis.studies.variants import Variant
 from floeflow.coupling.chunk import Chunk
 from floeflow.diagnostics.diagnostics import write_json
 from floeflow.workflow.job import Snakemake, run_script, scene_folder, scene_of
+from floeflow.workflow.library import check_made_with
 
 
 def main(snakemake: Snakemake) -> None:
     """Run the rule."""
     given, folder = snakemake.input, scene_folder(snakemake)
+    check_made_with(Path(given.plugin), snakemake.params.made_with)
     os.environ["FLOEFLOW_PLUGIN"] = str(Path(given.plugin).resolve())
     chunk = Chunk(
         scene=scene_of(snakemake),
@@ -25,6 +27,7 @@ def main(snakemake: Snakemake) -> None:
         ranks=1,
         cells=Path(str(given.cells)) if given.cells else None,
         library=snakemake.params.library,
+        mask=Path(str(given.mask)) if given.mask else None,
     )
     base = json.loads(Path(str(given.base)).read_text()) if given.base else None
     variant = Variant.from_text(snakemake.params.variant)

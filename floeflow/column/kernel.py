@@ -262,7 +262,7 @@ def _build(digest: str) -> Callable[..., Any]:
             w = new_profile(profile, snow_enthalpy.shape[2], constants)
             s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
             rays = new_rays(profile.size + snow_enthalpy.shape[2], MEDIA)
-            ice_media(rays.media, constants[0])
+            ice_media(rays.media, profile.size, constants[0])
             last = min((part + 1) * chunk, count)
             step_some(
                 part * chunk, last, area, ice, snow, surface, ice_enthalpy, snow_enthalpy,

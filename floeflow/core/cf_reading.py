@@ -231,6 +231,16 @@ def _refuse_dims(variables: dict[str, Variable], variable: Variable, path: str |
             f"{said} on a curvilinear grid, but the file does not have two-dimensional longitudes "
             "and latitudes on these dimensions, one of each: name them in its 'coordinates'"
         )
+    for dim in variable.dims:
+        axis = variables.get(dim)
+        timely = dim.lower() in ("time", "t", "month", "day", "step", "time_counter")
+        if timely and not dimension_kind(variables, dim):
+            given = axis.text("units") if axis is not None and axis.kind in "iuf" else ""
+            has = f"has units '{given}'" if given else "has no units"
+            raise FloeError(
+                f"{path}: '{dim}' of variable '{variable.name}' {has}, not such as "
+                "'days since 1981-12-31', so its times are not known"
+            )
     raise FloeError(f"{said}, which are not longitude and latitude, or projected x and y")
 
 

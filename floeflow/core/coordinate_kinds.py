@@ -65,6 +65,8 @@ def kind_of(name: str, attrs: Mapping[str, Any]) -> str:
     """
     standard, unit = text(attrs, "standard_name"), text(attrs, "units").lower()
     name = name.lower()
+    if standard in ("grid_latitude", "grid_longitude"):
+        return ""  # of a rotated pole, though many files give them the units of true ones
     if standard == "latitude" or unit in LATITUDE_UNITS or name in ("lat", "latitude"):
         return "latitude"
     if standard == "longitude" or unit in LONGITUDE_UNITS or name in ("lon", "longitude"):

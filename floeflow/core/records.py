@@ -84,6 +84,18 @@ def cpu_seconds() -> float:
     return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
 
 
+def peak_memory() -> tuple[float, float]:
+    """Largest memory that this process had, and that of the largest of its children, MB.
+
+    Resident memory; of children that were waited for, and theirs, such as MPI ranks.
+    """
+    own, child = (
+        resource.getrusage(who).ru_maxrss
+        for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    )
+    return own * 1024 / 1e6, child * 1024 / 1e6
+
+
 def machine() -> str:
     """Processor and number of cores of this machine."""
     model = platform.machine()

@@ -22,8 +22,9 @@ from floeflow.core.lock import hold_alone
 from floeflow.coupling import resume
 from floeflow.coupling.job import Job
 from floeflow.coupling.launch import run_ranks
+from floeflow.coupling.origin import check_origin, window_keys
 from floeflow.forcings.files import users_files
-from floeflow.scene import Scene, stage_hash
+from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state, write_dataset
 from floeflow.state.snapshots import join_snapshots, split_snapshots
 
@@ -79,11 +80,9 @@ class Chunk:
 
 def fixed_hashes(chunk: Chunk) -> dict[str, str]:
     """What goes into the hash of every window of a run; see ``resume.window_hashes``."""
-    stages = ("dynamics", "column", "cure", "forcing")
-    hashes = {stage: stage_hash(chunk.scene, stage) for stage in stages}
     files = [resume.file_hash(path) for path in users_files(chunk.scene)]
     return {
-        **hashes,
+        **window_keys(chunk.scene),
         "forcing_files": " ".join(files),
         "plugin": resume.file_hash(chunk.plugin),
         "library": chunk.library,
@@ -97,13 +96,15 @@ def run_chunk(chunk: Chunk) -> int:
     Raises
     ------
     FloeError
-        Where the ranks fail, in the sentence of the rank at fault, or a file cannot be written.
-        The windows before are kept for the next try.
+        Where the state is another scene's, the ranks fail, in the sentence of the rank at fault, or
+        a file cannot be written. The windows before are kept for the next try.
     """
     fixed = fixed_hashes(chunk)
     lock = chunk.folder / resume.WORK / f"{chunk.windows[0]}.lock"
     with hold_alone(lock, f"window {chunk.windows[0]} of {chunk.folder}"):
-        start = str(read_state(chunk.state).attrs["checksum"])
+        attrs = read_state(chunk.state).attrs
+        check_origin(attrs, chunk.state, chunk.scene, int(chunk.windows[0]) - 1)
+        start = str(attrs["checksum"])
         hashes = resume.window_hashes(start, chunk.windows, fixed)
         every = chunk.scene.state.keep == "all"
         done = resume.finished_windows(chunk.folder, chunk.windows, hashes, every)

@@ -195,12 +195,13 @@ def advance_columns(
     after, terms = advance_all(comm, scene, every, forcing, window)
     every_term = {name: afloat.area * values for name, values in terms.items()}
     each = {name: values[:count] for name, values in every_term.items()}
-    of_open = totals({name: values[count:] for name, values in every_term.items()})
+    open_terms = {name: values[count:] for name, values in every_term.items()}
+    of_open = totals(open_terms)
     water, sea_terms = give_back(water, shares, afloat, after, terms)
     water, drawn = _relaxed(scene, water, forcing, window)
     own = {name: values[:count] for name, values in after.items() if name not in SEA_VARIABLES}
     ice = {name: values[count:] for name, values in after.items() if name not in SEA_VARIABLES}
-    found = OpenIce(afloat.cells, afloat.area[count:], ice, shares)
+    found = OpenIce(afloat.cells, afloat.area[count:], ice, shares, open_terms)
     state = with_water(_with_columns(state, own), water)
     return state, each, {**of_open, **add_terms(sea_terms, drawn)}, found
 

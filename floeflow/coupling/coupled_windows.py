@@ -147,7 +147,9 @@ def advance_window(
     fluxes = None
     if scene.exchange.fluxes:
         began = time.perf_counter()
-        fluxes = window_fluxes(scene, state, _sums(motion, before, after), (start, end))
+        open_water = [part.found for part in (before, after) if part.found is not None]
+        sums = _sums(motion, before, after)
+        fluxes = window_fluxes(scene, state, sums, (start, end), open_water)
         n, seconds = state.sizes["element"], time.perf_counter() - began
         costs.append(Record("fluxes", n, comm.size, [seconds]))
     began = time.perf_counter()

@@ -30,10 +30,13 @@ class First:
         State 0.
     cells : Cells or None
         With the effect ``remap``.
+    mask : xarray.Dataset
+        Ice and land on the mask grid.
     """
 
     state: xr.Dataset
     cells: Cells | None
+    mask: xr.Dataset
 
 
 def first_state(scene: Scene, scratch: Path) -> First:
@@ -63,4 +66,4 @@ def first_state(scene: Scene, scratch: Path) -> First:
     cells = None
     if "remap" in scene.effects:
         cells = read_cells(make_cells(mask, packing, scene.seed))
-    return First(make_state(scene, packing, bonds), cells)
+    return First(make_state(scene, packing, bonds, mask), cells, mask)

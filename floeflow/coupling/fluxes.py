@@ -9,13 +9,14 @@ rectangle is told apart. Names are CF's; fluxes are means over the window and ov
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core.grids import Grid, cell_area, scene_crs, scene_grid
+from floeflow.coupling.sea.birth import OpenIce
 from floeflow.scene import Scene
 from floeflow.state.schema import MOBILE
 
@@ -129,7 +130,11 @@ def _between(axis: Array, places: Array) -> tuple[Index, Array]:
 
 
 def window_fluxes(
-    scene: Scene, state: xr.Dataset, sums: Mapping[str, Array], window: tuple[float, float]
+    scene: Scene,
+    state: xr.Dataset,
+    sums: Mapping[str, Array],
+    window: tuple[float, float],
+    open_water: Sequence[OpenIce] = (),
 ) -> xr.Dataset:
     """Fluxes of a window on the scene grid.
 
@@ -144,6 +149,9 @@ def window_fluxes(
         column times its area (J, kg), (n,).
     window : tuple of float
         Start and end (s since the scene's start).
+    open_water : sequence of OpenIce
+        With a mixed layer the open water of the cells, each time that columns were advanced: its
+        terms are added to its cells.
 
     Returns
     -------
@@ -161,6 +169,11 @@ def window_fluxes(
     }
     totals = np.array(list(made.values())).reshape(len(made), -1)
     cells, outside = spread(grid, x, y, area, totals)
+    for water in open_water:
+        for k, name in enumerate(made):
+            for part, sign in SUMS[name]:
+                if part in water.terms:
+                    np.add.at(cells[k].reshape(-1), water.cells, sign * water.terms[part])
     per = (window[1] - window[0]) * cell_area(grid, scene_crs(scene.domain))
     data = xr.Dataset()
     for name, total, beyond in zip(made, cells, outside, strict=True):

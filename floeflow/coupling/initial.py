@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """State 0: the packing and its bonds, at rest."""
 
-import json
-
 import numpy as np
 import xarray as xr
 
@@ -10,22 +8,13 @@ from floeflow.column.initial_columns import SNOW_LAYERS, first_columns
 from floeflow.column.settings import column_settings
 from floeflow.core.grids import scene_grid
 from floeflow.coupling.initial_walls import wall_variables
+from floeflow.coupling.origin import provenance
 from floeflow.coupling.sea.first import first_sea
 from floeflow.coupling.sea.places import sea_places
-from floeflow.scene import stage_hash
 from floeflow.scene.blocks import Scene
 from floeflow.state import SCHEMA_VERSION
 from floeflow.state.attributes import SCHEME_ATTRIBUTE
 from floeflow.state.schema import MOBILE, VARIABLES, expected_variables
-
-# Stages on which the state at the start depends.
-STAGES = ("land", "mask", "packing", "bonds", "initial")
-
-
-def provenance(scene: Scene) -> str:
-    """Hashes of the scene keys of each stage behind the state, as JSON."""
-    stages = [name for name in STAGES if name != "bonds" or "bonds" in scene.effects]
-    return json.dumps({name: stage_hash(scene, name) for name in stages}, sort_keys=True)
 
 
 def make_state(

@@ -85,7 +85,7 @@ def _last_words(job: Job, log: Path, code: int) -> str:
     for path in [*reversed(logs), log]:
         if path.is_file():
             for text in reversed(path.read_text(errors="replace").splitlines()):
-                if re.match(r"ERROR|\w*Error\b|FATAL", text.strip()):
+                if re.match(r"ERROR|\w*Error\b|FATAL|LIGGGHTS: ", text.strip()):
                     span = f"windows {job.windows[job.done]} to {job.windows[-1]}"
                     return f"{span}: {text.strip()} ({path})"
     words = [text.strip(" -") for text in log.read_text(errors="replace").splitlines()]

@@ -30,6 +30,7 @@ from floeflow.core.grids import cell_area, scene_crs, scene_grid
 from floeflow.coupling.coupled_windows import advance_window
 from floeflow.coupling.first_state import first_state
 from floeflow.coupling.fluxes import FIELDS, spread
+from floeflow.coupling.sea.places import sea_places
 from floeflow.forcings.forcing import UNITS
 from floeflow.forcings.window import window_forcing
 from floeflow.scene import Scene, load_scene
@@ -85,13 +86,15 @@ class IceModel:
         keys = {"exchange": read.exchange.model_copy(update={"fluxes": True})}
         self.scene = read.model_copy(update=keys)
         self._scratch = tempfile.TemporaryDirectory(prefix="floeflow-")
-        self._cells = None
-        if state is None or "remap" in read.effects:
+        self._cells, self._places = None, None
+        self._grid = scene_grid(read.domain)
+        if state is None or {"remap", "mixed_layer"} & set(read.effects):
             first = first_state(self.scene, Path(self._scratch.name))
             self.state, self._cells = first.state, first.cells
+            if "mixed_layer" in read.effects:
+                self._places = sea_places(first.mask, self._grid.x, self._grid.y)
         if state is not None:
             self.state = read_state(state)
-        self._grid = scene_grid(read.domain)
         self._area = cell_area(self._grid, scene_crs(read.domain))
 
     def update(self) -> None:
@@ -108,7 +111,8 @@ class IceModel:
         for name, values in self._given.items():
             forcing[name] = (forcing[name].dims, np.broadcast_to(values, forcing[name].shape))
         log = scratch / f"{window:04d}.liggghts.log"
-        done = advance_window(self.comm, self.scene, self.state, forcing, log, _quiet, self._cells)
+        places = self._cells, self._places
+        done = advance_window(self.comm, self.scene, self.state, forcing, log, _quiet, *places)
         self.state, self.fluxes, self.series = done.state, done.fluxes, done.series
 
     def update_until(self, time: float) -> None:

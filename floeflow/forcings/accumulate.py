@@ -137,6 +137,11 @@ def intervals(
     start = seconds - HOUR if how == "hour" else before
     goes_on, record = np.zeros(seconds.size, dtype=bool), np.arange(seconds.size)
     if how == "day" and not means:
+        if np.diff(seconds).max() > DAY + SLACK:
+            raise FloeError(
+                f"{path}: '{name}' has records further apart than a day, which cannot be sums "
+                "since midnight: give its rate, or bounds of its times"
+            )
         since = np.mod(before - midnight, DAY)
         goes_on = (since > SLACK) & (since < DAY - SLACK)
         # The first record's rate is known only if its sum began with its own interval.

@@ -39,14 +39,14 @@ class Quantity:
 QUANTITIES: dict[str, Quantity] = {
     "air_temperature": Quantity(
         ("air_temperature",),
-        ("t2m", "tas", "T2m", "2t", "air", "tas_10m", "TMP_2maboveground", "T_10"),
+        ("t2m", "tas", "T2m", "2t", "air", "tas_10m", "TMP_2maboveground", "T_10", "T2M"),
         "K",
         150.0,
         350.0,
     ),
     "specific_humidity": Quantity(
         ("specific_humidity",),
-        ("huss", "q2m", "shum", "q", "huss_10m", "Q_10"),
+        ("huss", "q2m", "shum", "q", "huss_10m", "Q_10", "QV2M"),
         "kg kg-1",
         0.0,
         0.1,
@@ -54,14 +54,14 @@ QUANTITIES: dict[str, Quantity] = {
     "dew_point": Quantity(("dew_point_temperature",), ("d2m", "tdps", "2d"), "K", 100.0, 350.0),
     "air_pressure": Quantity(
         ("air_pressure_at_mean_sea_level", "air_pressure_at_sea_level", "surface_air_pressure"),
-        ("msl", "psl", "sp", "ps", "slp"),
+        ("msl", "psl", "sp", "ps", "slp", "SLP"),
         "Pa",
         5.0e4,
         1.2e5,
     ),
     "shortwave_down": Quantity(
         ("surface_downwelling_shortwave_flux_in_air",),
-        ("rsds", "msdwswrf", "avg_sdswrf", "dswrf", "ssrd"),
+        ("rsds", "msdwswrf", "avg_sdswrf", "dswrf", "ssrd", "SWGDN"),
         "W m-2",
         0.0,
         1500.0,
@@ -69,15 +69,15 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "longwave_down": Quantity(
         ("surface_downwelling_longwave_flux_in_air",),
-        ("rlds", "msdwlwrf", "avg_sdlwrf", "dlwrf", "strd"),
+        ("rlds", "msdwlwrf", "avg_sdlwrf", "dlwrf", "strd", "LWGAB"),
         "W m-2",
         0.0,
         1000.0,
         sums=(("J m-2", 1.0),),
     ),
     "snowfall": Quantity(
-        ("snowfall_flux", "lwe_thickness_of_snowfall_amount"),
-        ("prsn", "msr", "avg_tsrwe", "sf"),
+        ("snowfall_flux", "lwe_snowfall_rate", "lwe_thickness_of_snowfall_amount"),
+        ("prsn", "msr", "avg_tsrwe", "sf", "PRECSNO"),
         "kg m-2 s-1",
         0.0,
         0.1,
@@ -85,8 +85,12 @@ QUANTITIES: dict[str, Quantity] = {
         sums=(("kg m-2", 1.0), ("m", _WATER)),
     ),
     "precipitation": Quantity(
-        ("precipitation_flux", "lwe_thickness_of_precipitation_amount"),
-        ("pr", "mtpr", "avg_tprate", "tp"),
+        (
+            "precipitation_flux",
+            "lwe_precipitation_rate",
+            "lwe_thickness_of_precipitation_amount",
+        ),
+        ("pr", "mtpr", "avg_tprate", "tp", "prate"),
         "kg m-2 s-1",
         0.0,
         0.1,
@@ -142,6 +146,7 @@ VECTORS: dict[str, Pair] = {
             ("uwnd", "vwnd"),
             ("uas_10m", "vas_10m"),
             ("U_10", "V_10"),
+            ("U10M", "V10M"),
         ),
         150.0,
         along_grid=(("uatm", "vatm"),),
@@ -247,6 +252,33 @@ def find_vector(
         if u in variables and v in variables:
             return FoundVector(variables[u], variables[v], False)
     return None
+
+
+EXTREMES = (
+    "maximum",
+    "minimum",
+    "range",
+    "standard_deviation",
+    "variance",
+    "maximum_absolute_value",
+)
+
+
+def refuse_extremes(variable: cf.Variable, path: str | Path) -> None:
+    """Refuse a day's maximum and the like, which has the standard name of the quantity itself.
+
+    Raises
+    ------
+    FloeError
+        Where the cell methods say so.
+    """
+    words = variable.text("cell_methods").replace(":", " ").split()
+    found = next((word for word in words if word in EXTREMES), "")
+    if found:
+        raise FloeError(
+            f"{path}: variable '{variable.name}' is a {found.replace('_', ' ')} by its "
+            "cell_methods, no value at a time and no mean"
+        )
 
 
 def _quoted(found: list[cf.Variable]) -> str:

@@ -19,9 +19,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core import cf_reading as cf
-from floeflow.core import fields, times
+from floeflow.core import fields, times, units
 from floeflow.core.errors import FloeError
 from floeflow.core.input_files import Hints
+from floeflow.forcings import cf_variables
 from floeflow.forcings.accumulate import (
     SLACK,
     Intervals,
@@ -140,6 +141,9 @@ class Track:
         self.layout = self.first.layout(self.variable)
         same = [file for file in files if name in file.variables]
         self.files = same if self.layout.time else same[:1]
+        for file in self.files:
+            cf_variables.refuse_extremes(file.variables[name], file.path)
+            check_alike(self.variable, self.path, file.variables[name], file.path)
         self.seconds, self.bounds, self.piece, self.local = self._records()
         self.kind = self._kind(summed)
 
@@ -274,6 +278,30 @@ class Track:
         """The level that is read, for people; empty where the variable has none."""
         found = fields.surface_level(self.first.data, self.name, self.layout, self.ocean, self.path)
         return found.said if found else ""
+
+
+def check_alike(one: cf.Variable, path: Path, other: cf.Variable, other_path: Path) -> None:
+    """Refuse parts of one series whose numbers do not mean the same: other units, other axes.
+
+    Raises
+    ------
+    FloeError
+        Names both files.
+    """
+    for attribute in ("units", "standard_name"):
+        both = one.text(attribute), other.text(attribute)
+        if both[0] == both[1]:
+            continue
+        if attribute == "units":
+            same = (1.0, 0.0) in (units.conversion(*both), units.conversion(*both[::-1]))
+        else:
+            # ERA5 leaves names out, or calls them unknown, in some years and not in others.
+            same = not all(both) or "unknown" in both
+        if not same:
+            raise FloeError(
+                f"{other_path}: '{one.name}' has {attribute} '{both[1]}', but '{both[0]}' in "
+                f"{path}: parts of one series must mean the same"
+            )
 
 
 def same_grid(one: fields.AnySource, other: fields.AnySource) -> bool:

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 
 from floeflow.diagnostics.collect import displacement
 from floeflow.diagnostics.run_cost import Stage
-from floeflow.report.figures.bonds import bond_map
+from floeflow.report.figures.bonds import bond_map, follows_start
 from floeflow.report.figures.budgets import budget_figure
 from floeflow.report.figures.cost import cost_figure
 from floeflow.report.figures.frame import Frame
@@ -38,6 +38,16 @@ from floeflow.report.figures.style import (
 )
 from floeflow.scene import Scene
 
+BONDS_OF_START = (
+    "Bonds of the start between elements that are still there, as they are at the end: glue lines "
+    "that are whole, cracked from an end, or gone, carried with the element of lower id. Those "
+    "that froze anew are not drawn. Gaps between cells are leads."
+)
+BONDS_OF_END = (
+    "Bonds of the end, those that froze anew among them: glue lines that are whole or cracked from "
+    "an end. Elements were made anew in the run, so that no bond of the start can be followed. "
+    "Gaps between cells are leads."
+)
 CAPTIONS = {
     "thickness": "Ice thickness of the elements (mean over the ice in each)",
     "concentration": "Ice concentration of the elements (share of each one's area under ice)",
@@ -124,8 +134,7 @@ def element_pictures(
     if "bonds" in scene.effects:
         yield easel.picture(
             "elements_bonds",
-            "Bonds of the start as they are at the end: glue lines that are whole, cracked from an "
-            "end, or gone, carried with the element of lower id. Gaps between cells are leads.",
+            BONDS_OF_START if follows_start(last) else BONDS_OF_END,
             bond_map(frame, first, last, shapes["end"], f"Bonds, {when['end']}"),
             wide=True,
         )

@@ -136,7 +136,8 @@ def _bonds(numbers: Mapping[str, Any]) -> Card:
         note += f", {number(numbers['bonds_refrozen'])} froze"
     if numbers.get("bonds_remade"):
         made = numbers["bonds_remade"]
-        note += f", remapping {'made' if made > 0 else 'dropped'} {number(abs(made))}"
+        way = "came" if made > 0 else "went"
+        note += f", {number(abs(made))} {way} with elements that came or went"
     return Card("Bonds alive", number(alive), note, "bonds, bonds_broken in diagnostics.nc")
 
 
@@ -170,8 +171,17 @@ def warnings(
     mask = scene.mask
     if not mask.thickness:
         thick = f"{number(mask.ice_thickness)} m"
-        rule = f"{thick} times concentration" if mask.thickness_rule == "concentration" else thick
+        rule = {
+            "constant": thick,
+            "concentration": f"{thick} times concentration",
+            "climatology": "a table by place and month, times concentration",
+        }[mask.thickness_rule]
         found.append(f"Ice thickness at the start is no observation but a rule: {rule}.")
+    if mask.lead_ice and "thermodynamics" in scene.effects:
+        found.append(
+            f"Leads of ice of 80 % and more bear {number(mask.lead_ice)} m of young ice at the "
+            "start, where the mask has open water."
+        )
     if mask.uniform:
         found.append(f"Ice at the start is no observation: {number(mask.uniform)} of all water.")
     for note in notes:
@@ -229,7 +239,7 @@ def facts(numbers: Mapping[str, Any], scene: Scene) -> dict[str, list[Fact]]:
         ("Bonds alive at the start", "bonds_start", "bonds"),
         ("Broken by motion", "bonds_broken", "bonds_broken"),
         ("Frozen anew", "bonds_refrozen", "bonds_refrozen"),
-        ("Made (dropped: below 0) by remapping and merging", "bonds_remade", "bonds"),
+        ("Came or went (below 0) with elements: remaps, merging, sides", "bonds_remade", "bonds"),
         ("Bonds alive at the end", "bonds_end", "bonds"),
     ):
         if key in numbers:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import signal
 import subprocess
 import sys
@@ -23,6 +24,8 @@ from floeflow.scene import Scene
 from floeflow.workflow.library import library_digest
 
 PASSED = Path("results/inputs/passed")
+# Processor time of a check: of any, and for each megabyte of its files.
+LEAST_SECONDS, SECONDS_A_MB = 60, 0.2
 KEYS = {"domain", "mask", "forcing", "time", "effects", "sea"}
 
 
@@ -44,12 +47,13 @@ def check_inputs(scene: Scene, passed: set[str], remember: bool = True) -> None:
     FloeError
         As the checks of mask and forcing, or where one of the files brings the reader down.
     """
-    digest = _digest(scene)
+    digest, size = _digest(scene)
     mark = PASSED / digest
     if digest in passed or mark.is_file():
         return
+    seconds = math.ceil(LEAST_SECONDS + SECONDS_A_MB * size / 1e6)
     done = subprocess.run(
-        [sys.executable, "-m", "floeflow.workflow.input_reader"],
+        [sys.executable, "-m", "floeflow.workflow.input_reader", str(seconds)],
         input=scene.model_dump_json(),
         capture_output=True,
         text=True,
@@ -57,10 +61,13 @@ def check_inputs(scene: Scene, passed: set[str], remember: bool = True) -> None:
     )
     if done.returncode < 0 or done.returncode not in (0, 1):
         how = signal.Signals(-done.returncode).name if done.returncode < 0 else "a fault"
-        raise FloeError(
-            f"reading {scene.mask.file or 'the mask'} or the forcing ended the reader ({how}): a "
-            "file is damaged or far too large"
-        )
+        what = f"reading {scene.mask.file or 'the mask'} or the forcing"
+        if done.returncode == -signal.SIGXCPU:
+            raise FloeError(
+                f"{what} took more than {seconds} s of processor time: a file is damaged, such as "
+                "by a loop in it"
+            )
+        raise FloeError(f"{what} ended the reader ({how}): a file is damaged or far too large")
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if line.startswith("floeflow: ")]
         raise FloeError((lines or ["floeflow: the check of the input files failed"])[-1][10:])
@@ -69,9 +76,10 @@ def check_inputs(scene: Scene, passed: set[str], remember: bool = True) -> None:
         write_text("", mark)
 
 
-def _digest(scene: Scene) -> str:
+def _digest(scene: Scene) -> tuple[str, int]:
+    """Digest of what a check depends on, and the bytes of its files."""
     keys = scene.model_dump(mode="json", include=KEYS)
-    files = []
+    files: list[tuple[str, int, int]] = []
     try:
         given = [
             scene.mask.file,
@@ -85,7 +93,7 @@ def _digest(scene: Scene) -> str:
         for each in [path] if not path.is_dir() else sorted(path.rglob("*")):
             if each.is_file():
                 stat = each.stat()
-                files.append([str(each), stat.st_size, stat.st_mtime_ns])
+                files.append((str(each), stat.st_size, stat.st_mtime_ns))
     code = [library_digest("mask"), library_digest("windows")]
     text = json.dumps([keys, files, code], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:24]
+    return hashlib.sha256(text.encode()).hexdigest()[:24], sum(size for _, size, _ in files)

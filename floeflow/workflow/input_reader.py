@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The process that reads a scene's input files for `input_guard`: a scene on its standard input."""
+"""The process that reads a scene's input files for `input_guard`.
+
+A scene on its standard input; its seconds of processor time as the argument.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,12 @@ from floeflow.forcings.inputs import check_forcing_file
 from floeflow.masks.mask_file import check_mask_file
 from floeflow.scene import Scene
 
-# Memory and processor time of a check.
-MOST_BYTES, MOST_SECONDS = 12 * 2**30, 600
+MOST_BYTES = 12 * 2**30
 
 
 def _check() -> str:
-    for kind, most in ((resource.RLIMIT_AS, MOST_BYTES), (resource.RLIMIT_CPU, MOST_SECONDS)):
+    limits = ((resource.RLIMIT_AS, MOST_BYTES), (resource.RLIMIT_CPU, int(sys.argv[1])))
+    for kind, most in limits:
         _, hard = resource.getrlimit(kind)
         resource.setrlimit(kind, (most if hard < 0 else min(most, hard), hard))
     scene = Scene.model_validate_json(sys.stdin.read())

@@ -19,7 +19,7 @@ from typing import Any, Protocol
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import hold_job
-from floeflow.core.records import cpu_seconds
+from floeflow.core.records import cpu_seconds, peak_memory
 from floeflow.scene import Scene
 from floeflow.scene.load import read_resolved
 
@@ -83,9 +83,15 @@ def check_room(folder: Path) -> None:
 
 
 def _keep_cost(snakemake: Snakemake) -> None:
-    """Write the job's CPU seconds where studies and the cost model read them."""
+    """Write the job's CPU seconds and memory where studies and the cost model read them."""
     words = [snakemake.rule, *map(str, getattr(snakemake.wildcards, "chunk", "").split())]
-    record = {"rule": snakemake.rule, "cpu_seconds": cpu_seconds()}
+    own, child = peak_memory()
+    record = {
+        "rule": snakemake.rule,
+        "cpu_seconds": cpu_seconds(),
+        "memory_mb": round(own, 1),
+        "largest_child_mb": round(child, 1),
+    }
     write_text(
         json.dumps(record) + "\n", scene_folder(snakemake) / "cpu" / f"{'-'.join(words)}.json"
     )

@@ -8,6 +8,8 @@ import hashlib
 from pathlib import Path
 
 import floeflow
+from floeflow.core.errors import FloeError
+from floeflow.coupling.resume import file_hash
 
 # Packages behind each stage, beside those that all share. Keys of the scene have hashes of their
 # own, so a new key alone redoes nothing.
@@ -47,3 +49,26 @@ def library_digest(stage: str) -> str:
     """Digest (16 hexadecimal digits) of the code behind a stage."""
     parts = [package_digest(package) for package in (*SHARED, *PACKAGES[stage])]
     return hashlib.sha256(" ".join(parts).encode()).hexdigest()[:16]
+
+
+def made_with(plugin: Path) -> str:
+    """Digests of the plugin and of the code that make windows, in one word."""
+    return f"{file_hash(plugin)[:16]}-{library_digest('windows')}"
+
+
+def check_made_with(plugin: Path, at_start: str) -> None:
+    """Refuse to go on with another plugin or other code than the run began with.
+
+    Raises
+    ------
+    FloeError
+        Says which of them has changed.
+    """
+    now = made_with(plugin)
+    if at_start and now != at_start:
+        same = now.partition("-")[0] == at_start.partition("-")[0]
+        changed = "the code of floeflow" if same else str(plugin)
+        raise FloeError(
+            f"{changed} has changed since this run began, so its windows would be of two "
+            "kinds; finished ones are kept: run the same command again"
+        )

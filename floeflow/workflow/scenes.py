@@ -35,7 +35,9 @@ from floeflow.scene.checks import scene_warnings
 from floeflow.scene.hashes import chain_hash, stage_hash
 from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
+from floeflow.workflow.foreign_results import check_results
 from floeflow.workflow.input_guard import check_inputs
+from floeflow.workflow.library import made_with
 from floeflow.workflow.manifest import write_manifest
 from floeflow.workflow.partitions import partition_minutes, within
 
@@ -44,6 +46,8 @@ SHIPPED = Path("config/scenes")
 CONFIG_KEYS = ("scene",)
 # Says what starts MPI programs in a cluster's job; goes from the workflow to its jobs.
 MPI_VARIABLE, DEFAULT_MPI = "FLOEFLOW_MPI", "srun --mpi=pmix"
+# Carries the name of the default scene to its jobs: its file may be edited while they run.
+NAME_VARIABLE = "FLOEFLOW_SCENE"
 # Ways to call Snakemake that only look.
 LOOKING = {"--lint", "-l", "--summary", "-S", "--detailed-summary", "-D", "--dag", "--rulegraph"}
 LOOKING |= {"--filegraph", "--d3dag", "--list-rules", "--list", "--list-target-rules", "--lt"}
@@ -65,11 +69,14 @@ class Run:
         Windows of each chunk, by the chunk's name.
     chosen_by : str
         ``auto`` where the effects come from ``effects: auto``, else ``scene``.
+    made_with : str
+        Plugin and code of windows when the run began, see `made_with`.
     """
 
     scene: Scene
     chunks: dict[str, list[str]]
     chosen_by: str = "scene"
+    made_with: str = ""
 
     @property
     def windows(self) -> list[str]:
@@ -109,18 +116,25 @@ class Scenes:
         self._writes = self._main and not (workflow.output_settings.dryrun or looking)
         with refused_in_a_sentence("the scene"):
             self._plugin = plugin_path(Path(workflow.basedir))
+            self._made_with = made_with(self._plugin) if self._main else ""
             for name in config:
                 if name not in CONFIG_KEYS:
                     raise FloeError(f"--config {name}=...: only scene=PATH is known")
             # Jobs read the path from the same place.
             self._path = Path(str(config.setdefault("scene", DEFAULT_SCENE)))
-            self.default = str(read_keys(self._path).get("name", self._path.stem))
+            self.default = self._default_name()
             self.run(self.default)
 
     @property
     def plugin(self) -> str:
         """Path of the LIGGGHTS plugin."""
         return str(self._plugin)
+
+    def _default_name(self) -> str:
+        if self._main or NAME_VARIABLE not in os.environ:
+            name = read_keys(self._path).get("name", self._path.stem)
+            os.environ[NAME_VARIABLE] = str(name)
+        return os.environ[NAME_VARIABLE]
 
     def launcher(self) -> str:
         """What starts the ranks of a cluster's job; empty on one machine, where it is mpirun.
@@ -207,12 +221,12 @@ class Scenes:
             chosen = json.loads((folder / "resolved.json").read_text())
         except (OSError, ValueError):
             raise FloeError(f"{folder}/resolved.json: cannot be read as JSON") from None
-        return _run(scene, str(chosen["chosen_by"]))
+        return _run(scene, str(chosen["chosen_by"]), str(chosen.get("made_with", "")))
 
     def _resolve(self, name: str) -> Run:
         base, _, variant = name.partition(PLUS)
         if variant and name != self.default:
-            run = _run(self._variant(base, variant))
+            run = _run(self._variant(base, variant), made_with=self._made_with)
         else:
             path = self._path_of(name)
             scene = resolve_scene(path)
@@ -225,7 +239,8 @@ class Scenes:
                 # Held until the process ends.
                 claim_scene(RESULTS / name)
                 clear_stale_locks(RESULTS / name)
-            run = _run(scene, "auto" if scene.auto else "scene")
+            run = _run(scene, "auto" if scene.auto else "scene", self._made_with)
+        check_results(run.scene, RESULTS / name, ["0000", *run.chunks])
         if self._writes:
             write_resolved(run, RESULTS / name)
         return run
@@ -254,9 +269,10 @@ def write_resolved(run: Run, folder: Path) -> None:
     """Write ``scene.yaml`` with all keys, and ``resolved.json``, each only where it changed."""
     keys = run.scene.model_dump(mode="json")
     head = "# All keys of the scene, effects made concrete. Written by the workflow: do not edit.\n"
+    how = {"chosen_by": run.chosen_by, "made_with": run.made_with}
     texts = {
         "scene.yaml": head + yaml.safe_dump(keys, sort_keys=False, allow_unicode=True),
-        "resolved.json": json.dumps({"chosen_by": run.chosen_by}) + "\n",
+        "resolved.json": json.dumps(how) + "\n",
     }
     for name, text in texts.items():
         path = folder / name
@@ -264,9 +280,9 @@ def write_resolved(run: Run, folder: Path) -> None:
             write_text(text, path)
 
 
-def _run(scene: Scene, chosen_by: str = "scene") -> Run:
+def _run(scene: Scene, chosen_by: str = "scene", made_with: str = "") -> Run:
     chunks = window_chunks(scene.time.windows, scene.workflow.windows_per_job)
-    return Run(scene, chunks, chosen_by)
+    return Run(scene, chunks, chosen_by, made_with)
 
 
 @contextlib.contextmanager

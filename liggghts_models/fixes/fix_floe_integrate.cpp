@@ -216,6 +216,8 @@ void FixFloeIntegrate::warn_of_others() {
 
 void FixFloeIntegrate::pre_exchange() {
   write_velocities();
+  // A run without set-up begins here: what moves now goes to other ranks with all that it has.
+  between_runs_ = false;
   if (pairs) pairs->lists_change();
 }
 

@@ -72,6 +72,27 @@ def test_a_fault_of_the_program_is_told_with_its_log(
     assert str(log) in words and "Traceback" in log.read_text()
 
 
+def test_a_scene_edited_during_a_run_stays_what_its_jobs_began_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("FLOEFLOW_SCENE", "")
+    monkeypatch.setenv("FLOEFLOW_RUN", "")
+    monkeypatch.setattr(scenes, "check_inputs", lambda *_: None)
+    path = tmp_path / "mine.yaml"
+    path.write_text("effects: [wind]\nseed: 7\n")
+    began = Scenes({"scene": str(path)}, LOOKING)
+    scenes.write_resolved(began.run("mine"), scenes.RESULTS / "mine")
+    path.write_text("name: other\nseed: [[")
+    job = Scenes(
+        {"scene": str(path)},
+        SimpleNamespace(
+            is_main_process=False, basedir=".", output_settings=LOOKING.output_settings
+        ),
+    )
+    assert job.default == "mine" and job.scene("mine").seed == 7
+
+
 def test_unknown_configuration_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     assert "--config scen=...: only scene=PATH is known" in said(
         tmp_path / "scene.yaml", capsys, {"scen": "x"}

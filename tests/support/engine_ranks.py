@@ -16,8 +16,9 @@ from support.rafts import bonded, lattice, uniform
 from support.ranks import read_tables, write_part
 
 
-def main(out: Path, steps: int, walled: bool, start: Path | None) -> None:
+def main(out: Path, steps: int, kind: str, start: Path | None) -> None:
     """Write elements, bonds, contacts and sums after some steps, and after as many more."""
+    walled = kind == "walls"
     raft = lattice(20, 15)
     random = np.random.default_rng(11)
     raft["thickness"] = random.uniform(0.5, 2.0, len(raft["id"]))
@@ -29,7 +30,13 @@ def main(out: Path, steps: int, walled: bool, start: Path | None) -> None:
     state: list[Arrays | None] = [raft, {n: v[~coast] for n, v in table.items()}, None, None]
     if start is not None:
         state = read_tables(start)
+    if kind == "adrift":  # so fast that all lists are made anew and elements change their ranks
+        raft["u"] = 40.0 * (1.0 + 1e-3 * raft["id"])
+        raft["type"][:] = 1
+        state[1] = {name: values[:0] for name, values in table.items()}
     switches = dict.fromkeys(("bonds", "wind", "ocean_drag", "coriolis", "tilt"), True)
+    if kind == "adrift":
+        switches = {}
     params = EngineParams(time_step=0.2, ridging=walled, **switches)
     # One wall stands, one comes from the right, and a bent one dents the upper side.
     dent = np.array([[[1.5e4, 4e4], [2e4, 2.525e4]], [[2e4, 2.525e4], [2.5e4, 4e4]]])
@@ -51,4 +58,4 @@ def main(out: Path, steps: int, walled: bool, start: Path | None) -> None:
 
 if __name__ == "__main__":
     folder, count, kind, *rest = sys.argv[1:]
-    main(Path(folder), int(count), kind == "walls", Path(rest[0]) if rest else None)
+    main(Path(folder), int(count), kind, Path(rest[0]) if rest else None)

@@ -88,6 +88,11 @@ def chosen_by(wildcards):
     return SCENES.run(wildcards.scene).chosen_by
 
 
+def made_with(wildcards):
+    """Plugin and code with which the run began."""
+    return SCENES.run(wildcards.scene).made_with
+
+
 def chunk_windows(wildcards):
     """Windows of a chunk."""
     return SCENES.run(wildcards.scene).chunks[wildcards.chunk]

@@ -31,6 +31,7 @@ rule windows:
     params:
         scene_keys=keys_of("dynamics", "column", "cure", "forcing", "keep"),
         library=library_digest("windows"),
+        made_with=made_with,
         windows=chunk_windows,
     message:
         "Windows {params.windows[0]} to {wildcards.chunk}: dynamics and column on {threads} ranks"

@@ -14,6 +14,7 @@ rule variant:
         cells=made("cells", "preprocess/cells.nc", "remap"),
         forcing=user_forcing,
         plugin=SCENES.plugin,
+        mask=sea_mask,
         base=base_record,
     output:
         record="results/{scene}/record.json",
@@ -29,6 +30,7 @@ rule variant:
     params:
         scene_keys=keys_of("dynamics", "column", "cure", "forcing", "initial", "grid"),
         library=library_digest("windows"),
+        made_with=made_with,
         windows=all_windows,
         variant=variant_of,
     message:

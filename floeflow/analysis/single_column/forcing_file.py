@@ -95,6 +95,7 @@ class Reader:
 
     def series(self, kind: str, variable: cf.Variable) -> tuple[Array, Array]:
         """Times (s) and SI values of a quantity, or of a component of the wind."""
+        names.refuse_extremes(variable, self.path)
         quantity = names.QUANTITIES.get(kind)
         if quantity is None:
             factor, offset = names.conversion(variable, names.VECTOR_UNITS, self.path)

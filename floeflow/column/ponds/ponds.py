@@ -148,10 +148,7 @@ def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
     whole = water + change
     sums[POND_LOST] += cover * min(whole, 0.0)
     water = max(whole, 0.0)
-    if p.ponds_cover_level:
-        area, depth = shape(area if whole > 0.0 else 0.0, water, change, flat, cover, p)
-    else:
-        area, depth = basin(water, flat, p)
+    area, depth = shape(area if whole > 0.0 else 0.0, water, change, flat, cover, p)
     # No deeper than what keeps the ice afloat.
     most = ((p.water_density - p.ice_density) * ice - p.snow_density * snow) / FRESH
     depth = min(depth, most)
@@ -160,8 +157,6 @@ def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
     if not p.mushy and p.pond_seepage > TINY and depth > 0.0:
         kept = depth * area
         area, depth = seep(w, first, ice, snow, area, depth, flat, cover, dt, p)
-        if not p.ponds_cover_level:
-            area, depth = basin(depth * area, flat, p)
         sums[POND_DRAINED] += cover * (kept - depth * area)
         water -= kept - depth * area
     sums[POND_LOST] += cover * (water - depth * area)
@@ -196,7 +191,9 @@ def lid_growth(lid, depth, gain, air, flux, on_lid, dt, p):
 
 @jit
 def shape(area, water, change, flat, cover, p):
-    """Area and depth of a pond that holds water and changed by so much, as in the reference."""
+    """Area and depth of a pond that holds water and changed by so much (eq. 5; m of the ice)."""
+    if not p.ponds_cover_level:
+        return basin(water, flat, p)
     if area * cover > TINY:
         area = max(min(area + 0.5 * change / (p.pond_aspect * area), flat), 0.0)
         return (area, water / area) if area > TINY else (area, 0.0)
@@ -208,7 +205,7 @@ def shape(area, water, change, flat, cover, p):
 
 @jit
 def basin(water, flat, p):
-    """Area and depth of a pond that holds water (m of the ice), (eq. 5)."""
+    """Area and depth of a pond that is as deep as wide by its aspect, where there is room."""
     area = min(math.sqrt(water / p.pond_aspect), flat)
     return (area, water / area) if area > TINY else (0.0, 0.0)
 
@@ -227,5 +224,7 @@ def seep(w, first, ice, snow, area, depth, flat, cover, dt, p):
     seeps = 3e-8 * least**3 * head * dt / (p.viscosity * ice) * p.pond_seepage
     change = -min(seeps, depth) * area
     water = depth * area + change
+    if not p.ponds_cover_level:
+        return basin(water, flat, p)
     area = max(min(area + 0.5 * change / (p.pond_aspect * area * cover), flat), 0.0)
     return area, water / area if area * cover > TINY else 0.0

@@ -45,22 +45,35 @@ DEEP_POND = 0.2  # m, from which on the ice below a pond has properties of its o
 DRAINED_SHARE = 0.25  # of the ice's thickness, from the top, that is drained
 
 
-# Rows of media: bare ice (skin, drained, inside) in each band, then what a band is mixed anew for.
-ICE_MEDIA = 3 * BANDS
+# Rows of media: bare ice (skin, drained, inside, drained in part) in each band, then what a band is
+# mixed anew for.
+IN_PART = 3
+ICE_MEDIA = 4 * BANDS
 WATER = ICE_MEDIA  # or snow
 BOTTOM = WATER + 1  # the lowest ice layer with its algae
-PONDED = BOTTOM + 1  # ice under ponds: skin, first layer, inside
-MIXED = PONDED + 3  # a layer that is drained in part
-MEDIA = MIXED + 1
+PONDED = BOTTOM + 1  # ice under ponds: skin, drained, inside, drained in part
+MEDIA = PONDED + 4
 
 
 @jit
-def ice_media(media, p):
+def ice_media(media, layers, p):
     """Set the media of bare ice, which no category changes."""
-    for kind in range(3):
+    for place in range(4):
         for band in range(BANDS):
-            scatters, absorbs = ice_scattering(kind, band, p)
-            mix_ice(media, kind * BANDS + band, scatters, absorbs)
+            scatters, absorbs = bare_ice(place, layers, band, p)
+            mix_ice(media, place * BANDS + band, scatters, absorbs)
+
+
+@jit
+def bare_ice(place, layers, band, p):
+    """Scattering and absorption (1/m) of skin, drained ice, ice inside, and of what is both."""
+    if place < IN_PART:
+        return ice_scattering(place, band, p)
+    share = (DRAINED_SHARE * layers) % 1.0
+    drained, absorbs = ice_scattering(DRAINED, band, p)
+    inside, absorbs_inside = ice_scattering(INSIDE, band, p)
+    scatters = share * drained + (1.0 - share) * inside
+    return scatters, share * absorbs + (1.0 - share) * absorbs_inside
 
 
 @jit
@@ -142,8 +155,6 @@ def shine(kind, share, ice, snow, pond, surface, first, w, rays, f, p):
         elif kind == POND:
             mix_medium(rays.media, WATER, WATER_EXTINCTION[band], 0.0, 0.0)
             mix_ponded(rays.media, pond, layers, band, p)
-        if p.drained_by_depth:
-            mix_drained(rays.media, pond if kind == POND else 0.0, layers, band, p)
         last = shine_band(kind, band, ice, snow, pond, first, layers, sun, inner, rays, p)
         ground = OCEAN_ALBEDO[band] if last == first + layers + 2 else 0.0
         start = first + 1 if kind == BARE else 0
@@ -166,33 +177,31 @@ def shine(kind, share, ice, snow, pond, surface, first, w, rays, f, p):
 def mix_ponded(media, pond, layers, band, p):
     """Set the media of ice under a pond (m): that of bare ice where it is shallow (eq. 13)."""
     wet = min(pond / DEEP_POND, 1.0)
-    for place in range(3):
+    for place in range(4):
         deep, absorbs = ice_scattering(POND_SURFACE if place == 0 else POND_INSIDE, band, p)
-        bare, _ = ice_scattering(place, band, p)
+        bare, _ = bare_ice(place, layers, band, p)
         if place == DRAINED and not p.drained_by_depth:
             bare *= DRAINED_SHARE * layers
         mix_ice(media, PONDED + place, bare + (deep - bare) * wet, absorbs)
 
 
 @jit
-def mix_drained(media, pond, layers, band, p):
-    """Set the medium of the layer that is drained in part, under a pond (m) or none."""
-    wet = min(pond / DEEP_POND, 1.0)
-    share = (DRAINED_SHARE * layers) % 1.0
-    drained, absorbs = ice_scattering(DRAINED, band, p)
-    inside, absorbs_inside = ice_scattering(INSIDE, band, p)
-    deep, _ = ice_scattering(POND_INSIDE, band, p)
-    bare = share * drained + (1.0 - share) * inside
-    absorbs = share * absorbs + (1.0 - share) * absorbs_inside
-    mix_ice(media, MIXED, bare + (deep - bare) * wet, absorbs)
-
-
-@jit
 def drained_share(place, layers, p):
-    """Share of a layer, counted from 1 at the top, that is drained."""
+    """Share of a layer, counted from 1 below the skin, that is drained."""
     if not p.drained_by_depth:
         return 1.0 if place == 1 else 0.0
     return min(max(DRAINED_SHARE * layers - (place - 1), 0.0), 1.0)
+
+
+@jit
+def sort_of(place, layers, p):
+    """Sort of ice of the skin (0) and of the layers below it."""
+    if place == 0:
+        return 0
+    share = drained_share(place, layers, p)
+    if share >= 1.0:
+        return DRAINED
+    return IN_PART if share > 0.0 else INSIDE
 
 
 @jit
@@ -224,13 +233,10 @@ def shine_band(kind, band, ice, snow, pond, first, layers, sun, inner, rays, p):
         else:
             place = k - first - 1
             thick = ice_skin if place == 0 else ice_layer - (ice_skin if place == 1 else 0.0)
-            drained = drained_share(place, layers, p) if place > 0 else 0.0
-            sort = place if place == 0 else (DRAINED if drained >= 1.0 else INSIDE)
-            if 0.0 < drained < 1.0:
-                medium = MIXED
-            elif kind == POND:
+            sort = sort_of(place, layers, p)
+            if kind == POND:
                 medium = PONDED + sort
-            elif place == layers:
+            elif place == layers and sort != IN_PART:
                 medium = INSIDE * BANDS + band
                 if band == 0:
                     # Algae absorb the same however thick the layer is.

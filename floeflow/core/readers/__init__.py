@@ -33,6 +33,8 @@ def open_raw(path: str | Path) -> xr.Dataset:
     path = Path(path)
     if not path.exists():
         raise FloeError(f"{path}: there is no such file")
+    if not (path.is_file() or path.is_dir()):
+        raise FloeError(f"{path}: is no file, but a pipe or a device")
     for reader in READERS:
         if reader.opens(path):
             opened: Callable[[Path], xr.Dataset] = reader.open_raw

@@ -10,7 +10,7 @@ there is enough. Elements whose ice has nearly gone return their water to the se
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
@@ -61,12 +61,16 @@ class OpenIce:
         Its columns, (k, ...).
     shares : Shares
         Of the mobile elements.
+    terms : dict of ndarray
+        Terms of the budgets over that water as the columns were advanced, (k,); of all cells
+        alone, not of some.
     """
 
     cells: Index
     area: Array
     columns: Columns
     shares: Shares
+    terms: Columns = field(default_factory=dict)
 
     def some(self, rows: Index | Flags) -> OpenIce:
         """Ice of some of the cells."""

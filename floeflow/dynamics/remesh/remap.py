@@ -44,6 +44,8 @@ Index = NDArray[np.int64]
 LEAST_COVER = 0.5
 # A cell holds more than its area where it is more by this share.
 ROUND_OFF = 1.0e-9
+# Share of its radius by which a fresh element stands beside one that stayed at its place.
+NUDGE = 1.0e-3
 
 
 @dataclass(frozen=True)
@@ -147,8 +149,9 @@ def remap(
     fill = {name: _product(crumbs, amount) for name, amount in fill.items()}
     share = sparse.csr_matrix(share @ crumbs.T)
     icy = arrived["ice_fraction"].sum(axis=1) > 0
-    # Water amid ice is kept, or made, as an element: a lead can freeze.
-    held = icy | enclosed(icy, beside)
+    # Water amid ice is kept, or made, as an element: a lead can freeze. Where an element stays that
+    # does not lie on the cells there is none.
+    held = icy | (enclosed(icy, beside) & ~_taken(state, cells, laid))
     inside = held & enclosed(held, beside)
     # A round-off above the cell's own area would add up over the windows.
     over = arrived["area"] > (1.0 + ROUND_OFF) * cells.area
@@ -161,6 +164,16 @@ def remap(
         {name: mean[stays] for name, mean in fill.items()},
     )
     return _assemble(state, cells, laid, fresh, stays, share, bond_gap)
+
+
+def _taken(state: xr.Dataset, cells: Cells, laid: Laid) -> Flags:
+    """Cells whose site lies under the disc of a guest."""
+    sites = cKDTree(np.stack([cells.x, cells.y], axis=1))
+    x, y, radius = (state[name].values[laid.guests] for name in ("x", "y", "radius"))
+    under = np.zeros(len(cells.id), dtype=bool)
+    for near in sites.query_ball_point(np.stack([x, y], axis=1), radius):
+        under[near] = True
+    return under
 
 
 def _product(matrix: sparse.spmatrix, values: Array) -> Array:
@@ -217,6 +230,11 @@ def _assemble(
     if "wall_face_ax" in state and state.sizes["wall_face"]:
         ashore = unsafe(pair_arrays(state, "wall_face"), site, place, most * size)
         place = np.where(ashore[:, None], site, place)
+    # Centres never coincide: a contact between them would have no direction.
+    guests = np.stack([state[name].values[laid.guests] for name in ("x", "y")], axis=1)
+    if len(guests):
+        upon = cKDTree(guests).query(place)[0] < NUDGE * most * size
+        place[upon, 0] += NUDGE * (most * size)[upon]
     polygons = cut(cells.polygons[stays], size**2, middle)
     start, ring = rings_of(polygons)
     corners = np.diff(start)

@@ -40,6 +40,11 @@ def glue_lines(bonds: xr.Dataset, state: xr.Dataset) -> np.ndarray:
     return np.stack(ends, axis=1) / 1e3
 
 
+def follows_start(last: xr.Dataset) -> bool:
+    """Whether bonds of the start can be found in a last state: a remap makes all elements anew."""
+    return "drift_x" not in last
+
+
 def bond_map(
     frame: Frame, first: xr.Dataset, last: xr.Dataset, shapes: Shapes, title: str
 ) -> Figure:
@@ -67,8 +72,8 @@ def bond_map(
             collection.set_facecolor([str(face) for face in faces])
             axes.add_collection(collection, autolim=False)
         styles = ((whole, SKY, 0.5), (cracked, BLUE, 1.2), (broken, VERMILION, 1.9))
-        names = ("whole", "partly cracked", "broken")
-        for (bonds, colour, width), name in zip(styles, names, strict=True):
+        names = ("whole", "partly cracked", *(("broken",) if follows_start(last) else ()))
+        for (bonds, colour, width), name in zip(styles, names, strict=False):
             lines = LineCollection(
                 list(glue_lines(bonds, last)), colors=colour, linewidths=width, zorder=4
             )
@@ -84,9 +89,13 @@ def bond_map(
 def sort_bonds(first: xr.Dataset, last: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
     """Bonds of the first state by what became of them: whole, partly cracked, broken.
 
-    Where elements were remapped or merged since, those of the last state, of which none is broken.
+    Those of which both elements are still there. Where elements were remapped, the bonds of the
+    last state, of which none is broken.
     """
-    if "drift_x" in last or not np.array_equal(first["id"], last["id"]):
+    if follows_start(last):
+        ends = [np.isin(first[f"bond_id_{end}"], last["id"]) for end in ("lo", "hi")]
+        first = first.isel(bond=np.flatnonzero(ends[0] & ends[1]))
+    else:
         first = last
     then = _pair_keys(first)
     crack = {

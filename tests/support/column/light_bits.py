@@ -26,7 +26,7 @@ def absorbed(values, forcing, profile, constants, results):  # type: ignore[no-u
     """Light that snow, bare ice and ponds absorb and pass, for each row of ``values``."""
     p = constants[0]
     w, rays = new_profile(profile, 1, constants), new_rays(profile.size + 1, MEDIA)
-    ice_media(rays.media, p)
+    ice_media(rays.media, profile.size, p)
     for e in range(values.shape[0]):
         ice, snow, pond, surface = values[e, 0], values[e, 1], values[e, 2], values[e, 3]
         forcing[VISIBLE], forcing[INFRARED] = 52.0, 48.0

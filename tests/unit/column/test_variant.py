@@ -46,13 +46,18 @@ class Profile(NamedTuple):
     liquid: np.ndarray
 
 
-def summer(settings: Settings) -> tuple[float, float]:
-    """Thickness (m) and share of the ice under ponds after 30 days of melt."""
-    every = first_columns(np.ones(1), np.full(1, 2.0), np.full(1, 0.1), 271.0, settings)
+def melted(settings: Settings, snow: float, days: int) -> tuple[dict, dict]:
+    """Columns of 2 m of ice under so much snow (m) after days of melt, and sums of their terms."""
+    every = first_columns(np.ones(1), np.full(1, 2.0), np.full(1, snow), 271.0, settings)
     effects = ("thermodynamics", *settings.processes)
     columns = {name: every[name] for name in column_variables(effects, settings.scheme)}
     sample = {name: np.full(1, value) for name, value in SUMMER.items()}
-    after, _ = advance_columns(columns, lambda _: sample, (0.0, 30 * DAY), settings)
+    return advance_columns(columns, lambda _: sample, (0.0, days * DAY), settings)
+
+
+def summer(settings: Settings) -> tuple[float, float]:
+    """Thickness (m) and share of the ice under ponds after 30 days of melt."""
+    after, _ = melted(settings, 0.1, 30)
     ice = after["ice_fraction"]
     ponds = (ice * after["level_area"] * after["pond_area"]).sum() / ice.sum()
     return float(after["ice_volume"].sum() / ice.sum()), float(ponds)
@@ -102,15 +107,9 @@ def test_a_pond_holds_its_water_within_the_level_ice(water: float, level: float)
 
 def test_what_ponds_catch_does_not_depend_on_how_categories_divide_the_ice() -> None:
     """Five days in which snow melts alone, so that all categories melt alike."""
-    water = []
-    for categories in (1, 5):
-        settings = replace(SETTINGS, categories=categories)
-        every = first_columns(np.ones(1), np.full(1, 2.0), np.full(1, 0.3), 271.0, settings)
-        effects = ("thermodynamics", *settings.processes)
-        columns = {name: every[name] for name in column_variables(effects, settings.scheme)}
-        sample = {name: np.full(1, value) for name, value in SUMMER.items()}
-        _, sums = advance_columns(columns, lambda _, s=sample: s, (0.0, 5 * DAY), settings)
-        water.append(float(sums["pond_gain"][0]))
+    water = [
+        float(melted(replace(SETTINGS, categories=n), 0.3, 5)[1]["pond_gain"][0]) for n in (1, 5)
+    ]
     assert water[0] > 0.01
     assert abs(water[1] / water[0] - 1.0) < 0.05
 

@@ -14,7 +14,7 @@ import yaml
 
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_grid
-from floeflow.coupling.fluxes import spread
+from floeflow.coupling.fluxes import FIELDS, spread
 from floeflow.coupling.model import IceModel
 from floeflow.scene.blocks import Domain
 
@@ -105,6 +105,40 @@ def test_what_the_grid_gets_is_what_the_elements_gave(scene_file: Path) -> None:
     model.finalize()
 
 
+@pytest.mark.parametrize("scheme", ["zero_layer", pytest.param("mushy", marks=pytest.mark.slow)])
+def test_a_scene_of_every_effect_gives_what_its_budget_says(
+    scene_file: Path, tmp_path: Path, scheme: str
+) -> None:
+    """With a sea of its own, cracks, ridges and a remap: elements' terms to round-off."""
+    keys = yaml.safe_load(scene_file.read_text())
+    more = ["turning_angle", "bonds", "ridging", "refreeze", "mixed_layer", "redistribution"]
+    keys |= {"effects": [*EFFECTS, *more, "rims", "merge", "remap"]}
+    keys["column"] = {"scheme": scheme, "categories": 3}
+    path = tmp_path / "every.yaml"
+    path.write_text(yaml.safe_dump(keys))
+    model = started(path)
+    for _ in range(2):
+        model.update()
+        fluxes, budget, step = model.fluxes, model.series, model.get_time_step()
+        assert fluxes is not None and budget is not None
+        for axis in "xy":
+            for name, term, sign in (("air", "wind", 1.0), ("ocean", "ocean", -1.0)):
+                field = fluxes[f"tau_{axis}_{name}"][0]
+                total = float((field * model.get_cell_area()).sum()) * step
+                total += float(fluxes[f"tau_{axis}_{name}_outside"][0])
+                right = sign * float(budget[f"impulse_{term}_{axis}"])
+                assert total == pytest.approx(right, rel=1e-9)
+        # Open water has columns of its own: what it got from the air is told as well.
+        heat = float((fluxes["heat_air"][0] * model.get_cell_area()).sum()) * step
+        heat += float(fluxes["heat_air_outside"][0])
+        assert heat == pytest.approx(float(budget["energy_atmosphere"]), rel=1e-9)
+        made = set(FIELDS) & set(fluxes)
+        assert set(FIELDS) - made <= (set() if scheme == "mushy" else {"light_ocean", "salt_ocean"})
+        assert all(np.isfinite(fluxes[name]).all() for name in made)
+    assert "sea_temperature" in model.state
+    model.finalize()
+
+
 def test_values_that_are_set_act(scene_file: Path) -> None:
     """A warm ocean melts ice that a cold one does not, and is told how much heat it gave."""
     volumes = []
@@ -183,3 +217,17 @@ def test_the_slab_ocean_loses_what_the_ice_gets(
     with xr.open_dataset(tmp_path / "ice_0002.nc") as data:
         assert data["heat_ocean"].attrs["standard_name"].startswith("heat_flux_into_sea_water")
         assert data["time"].attrs["bounds"] == "time_bounds"
+
+
+def test_a_slab_is_refused_beside_a_sea_of_the_scene_s_own(
+    project: Path, scene_file: Path, tmp_path: Path
+) -> None:
+    module, keys = slab(project), yaml.safe_load(scene_file.read_text())
+    for effects, said in (
+        ([*EFFECTS, "mixed_layer"], "mixed_layer is a sea of its own"),
+        (["wind", "ocean_drag"], "needs the effect thermodynamics"),
+    ):
+        path = tmp_path / "other.yaml"
+        path.write_text(yaml.safe_dump(keys | {"effects": effects}))
+        with pytest.raises(FloeError, match=said):
+            module.couple(module.argparse.Namespace(scene=path))

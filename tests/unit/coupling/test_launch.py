@@ -69,6 +69,8 @@ def test_ranks_that_say_nothing_are_quoted_from_their_log(job: Job, tmp_path: Pa
     log = tmp_path / "ranks.log"
     log.write_text("noise\nERROR: Out of range atoms (../x.cpp:3)\nnoise\n")
     assert "ERROR: Out of range atoms" in window._last_words(job, log, 1)
+    log.write_text("LIGGGHTS: a bond is lost\nMPI_ABORT was invoked\n[vm:1] Set MCA parameter\n")
+    assert "LIGGGHTS: a bond is lost" in window._last_words(job, log, 1)
     log.write_text("noise\n")
     assert "ended with code 7: noise (see " in window._last_words(job, log, 7)
 

@@ -75,6 +75,17 @@ def test_a_state_goes_on_with_another_number_of_ranks(
         np.testing.assert_allclose(moved[name], kept[name], rtol=0, atol=1e-9 * scale)
 
 
+def test_elements_that_drift_from_rank_to_rank_keep_all_that_they_have(tmp_path: Path) -> None:
+    """Runs go on without set-up, lists are made anew in their midst, elements change hands."""
+    (one, _), (two, _) = (run(tmp_path / str(n), n, steps=2000, kind="adrift") for n in (1, 2))
+    assert (one["element.x"] > 16_000.0).all()
+    for name in ("element.id", "element.thickness", "element.mass"):
+        np.testing.assert_array_equal(one[name], two[name])
+    for name in ("element.x", "element.u", "element.theta"):
+        scale = np.ptp(one[name])
+        np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-9 * scale)
+
+
 def test_walls_and_ridges_on_other_numbers_of_ranks(tmp_path: Path) -> None:
     """Moving walls that crack and ridge the raft, cut in the midst and continued elsewhere."""
     runs = {n: run(tmp_path / str(n), n, steps=200, kind="walls") for n in (1, 2, 4)}

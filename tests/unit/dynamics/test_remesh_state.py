@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import shapely
 import xarray as xr
+from scipy.spatial import cKDTree
 
 from floeflow.dynamics.remesh.outline import cut
 from floeflow.dynamics.remesh.remap import lay, overlapping, remap
@@ -192,6 +193,33 @@ def test_elements_that_left_the_cells_stay_as_they_are(case: tuple) -> None:
     home = remapped(back, cells)
     assert int(home["id"][-1]) <= last
     assert_kept(back, home)
+
+
+def test_no_water_is_made_where_an_element_stays(case: tuple) -> None:
+    """Ice of a lagoon reaches beyond its cell and stays; the cell gets no second element."""
+    state, cells = case
+    wide = state.copy(deep=True)
+    row = int(np.flatnonzero(np.isin(state["id"].values, quiet(state, cells)))[0])
+    site = int(np.searchsorted(cells.id, state["id"].values[row]))
+    wide["x"].values[row], wide["y"].values[row] = cells.x[site], cells.y[site]
+    more = 50.0 * float(cells.area.sum())
+    wide["area"].values[row] += more
+    wide.attrs["unclaimed_water"] -= more
+    laid = lay(wide, cells)
+    assert laid.guests.tolist() == [row]
+    after = remapped(wide, cells)
+    check_state(after)
+    assert_kept(wide, after)
+    assert int(cells.id[site]) not in after["id"].values
+    # Ice of another that enters the cell makes an element there, beside the guest's centre.
+    visitor = int(np.flatnonzero(state["id"].values == cells.id[(site + 1) % len(cells.id)])[0])
+    for axis in ("x", "y"):
+        wide[axis].values[visitor] = wide[axis].values[row]
+    both = remapped(wide, cells)
+    assert int(cells.id[site]) in both["id"].values
+    for made in (after, both):
+        places = np.stack([made["x"].values, made["y"].values], axis=1)
+        assert not cKDTree(places).query_pairs(1.0)
 
 
 def test_ice_that_enters_an_empty_cell_makes_an_element(case: tuple) -> None:

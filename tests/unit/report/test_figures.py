@@ -231,6 +231,28 @@ def test_bonds_are_sorted_by_what_became_of_them(run: Run):
     assert cracked.sizes["bond"] == int((last["bond_crack_a"] > 0).sum()) > 0
 
 
+def test_bonds_of_the_start_are_followed_where_elements_came_and_went(run: Run):
+    first, last = read_state(run.state(0)), read_state(run.state(3))
+    gone = int(first["bond_id_lo"][0])
+    fewer = last.isel(element=np.flatnonzero(last["id"].values != gone))
+    none = first.isel(bond=slice(0))
+    fewer = fewer.drop_dims("bond").merge(none[[n for n in none if none[n].dims == ("bond",)]])
+    _, _, broken = bonds.sort_bonds(first, fewer)
+    held = (first["bond_id_lo"] == gone) | (first["bond_id_hi"] == gone)
+    assert 0 < broken.sizes["bond"] == first.sizes["bond"] - int(held.sum())
+
+
+def test_after_a_remap_no_bond_is_called_broken(run: Run, frame: Frame):
+    packing = make_packing()
+    state = first_state(packing, run.scene)
+    shapes = maps.element_shapes(state, packing)
+    told = []
+    for last in (state, state.assign(drift_x=("element", np.zeros(state.sizes["element"])))):
+        figure = bonds.bond_map(frame, state, last, shapes, "Bonds")
+        told.append([text.get_text().partition(":")[0] for text in figure.legends[0].get_texts()])
+    assert told == [["whole", "partly cracked", "broken"], ["whole", "partly cracked"]]
+
+
 @pytest.mark.parametrize(
     "seconds, expected",
     [(5 * 86400.0, (86400.0, "days")), (86400.0, (3600.0, "hours")), (90.0, (60.0, "minutes"))],

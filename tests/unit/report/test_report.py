@@ -185,6 +185,21 @@ def test_assumptions_stand_on_the_first_screen(page: Page, bare: tuple[Run, str]
     assert "Budget open: Ice volume, 25 % of its turnover unexplained." in said
 
 
+@pytest.mark.parametrize(
+    "rule, says",
+    [
+        ("constant", "a rule: 2 m."),
+        ("concentration", "a rule: 2 m times concentration."),
+        ("climatology", "a rule: a table by place and month, times concentration."),
+    ],
+)
+def test_the_rule_of_the_first_thickness_is_told(run: Run, rule: str, says: str):
+    mask = run.scene.mask.model_copy(update={"thickness_rule": rule, "lead_ice": 0.1})
+    said = warnings(run.scene.model_copy(update={"mask": mask}), [], {}, [])
+    assert said[0].endswith(says)
+    assert any("bear 0.1 m of young ice at the start" in line for line in said)
+
+
 def test_budgets_state_residual_verdict_and_thresholds(page: Page):
     cells = page.within("td")
     assert "1e−8" in cells and "1e−12" in cells
