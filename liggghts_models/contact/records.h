@@ -47,11 +47,14 @@ struct alignas(32) BondRest {
   double share[4];                // 1, or 1/2 for a pair that two ranks meet
 };
 
+// The same of all blocks that are plain: it stays in the cache.
+constexpr BondRest plain_rest{{}, {}, {1.0, 1.0, 1.0, 1.0}};
+
 struct BondRecords {
   int count = 0;
   std::vector<BondBlock> blocks;
   std::vector<BondRest> rests;
-  std::vector<char> plain;  // of each block: all whole, all met by one rank
+  std::vector<char> plain;    // of each block: all whole, all met by one rank
   std::vector<Place> places;  // history is null where the bond has broken
 
   void clear();
@@ -60,6 +63,7 @@ struct BondRecords {
   void remove(int k);
   BondBlock &block(int k) { return blocks[k >> 2]; }
   double &at(BondBlock::Column column, int k) { return blocks[k >> 2].column[column][k & 3]; }
+  const BondRest &rest(int k) const { return plain[k >> 2] ? plain_rest : rests[k >> 2]; }
   double crack_a(int k) const { return rests[k >> 2].crack_a[k & 3]; }
   double crack_b(int k) const { return rests[k >> 2].crack_b[k & 3]; }
   double share(int k) const { return rests[k >> 2].share[k & 3]; }

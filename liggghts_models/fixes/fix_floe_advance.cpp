@@ -152,7 +152,8 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
                                     floe::Ledger &sum) {
   using floe::Vec2;
   double **const v = atom->v, **const omega = atom->omega;
-  double(*const x)[3] = reinterpret_cast<double(*)[3]>(atom->x[0]);  // LIGGGHTS' rows are one array
+  double (*const x)[3] =
+      reinterpret_cast<double (*)[3]>(atom->x[0]);  // LIGGGHTS' rows are one array
   double *const *const f = atom->f, *const *const torques = atom->torque;
   floe::Body *const body = bodies.data();
   const floe::Load *const load = loads.data();

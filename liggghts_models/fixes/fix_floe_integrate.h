@@ -74,7 +74,7 @@ class FixFloeIntegrate : public Fix {
   double *ridged_area;  // m2, turned into ridges since the element was made
   double *bonds_made;   // how many bonds the element was given
   double **impulse;     // N s, of wind (x, y) and of the ocean (x, y), since the element was made
-  double **turn;        // cosine and sine of theta, of elements and ghosts, as current as velocities
+  double **turn;  // cosine and sine of theta, of elements and ghosts, as current as velocities
 
   // What the pair style reads and adds up, of elements and ghosts: valid from one evaluation of the
   // pairs to the next, in LIGGGHTS' order. The parts that damping has in the loads are there with
