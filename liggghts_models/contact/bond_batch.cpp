@@ -18,7 +18,8 @@ struct BatchState {
 
 // Records and elements of one bond per lane, as packs.
 template <typename P, int Width>
-FLOE_INLINE BatchState<P> gather(const BondBlock &block, int first, const Body *bodies) {
+FLOE_INLINE BatchState<P> gather(const BondBlock &block, const BondRest &rest, int first,
+                                 const Body *bodies) {
   const auto column = [&](int k) { return load_pack<P>(block.column[k] + first); };
   using B = BondBlock;
   BatchState<P> out;
@@ -28,8 +29,8 @@ FLOE_INLINE BatchState<P> gather(const BondBlock &block, int first, const Body *
                {column(B::hi_bx), column(B::hi_by)},
                P{},
                P{},
-               column(B::crack_a),
-               column(B::crack_b)};
+               load_pack<P>(rest.crack_a + first),
+               load_pack<P>(rest.crack_b + first)};
   out.constants = {column(B::length), column(B::ratio), column(B::damping), column(B::squeeze)};
   const double *lo[Width], *hi[Width];
   for (int k = 0; k < Width; ++k) {
@@ -47,10 +48,10 @@ FLOE_INLINE BatchState<P> gather(const BondBlock &block, int first, const Body *
 
 // The first `count` lanes are bonds; without Whole there may be fewer than lanes.
 template <Damping Damp, bool Exact, bool Whole, typename P, int Width>
-FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, int number, int first,
-                               int count, P &sum, std::vector<int> &odd) {
+FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, const BondRest &rest,
+                               int number, int first, int count, P &sum, std::vector<int> &odd) {
   constexpr bool damped = Damp != Damping::none;
-  const BatchState<P> s = gather<P, Width>(block, first, t.bodies);
+  const BatchState<P> s = gather<P, Width>(block, rest, first, t.bodies);
   const BondLineOf<P> line = bond_line(s.shape, s.pose);
   P power;
   const PairForceOf<P> force =
@@ -84,7 +85,7 @@ FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, int nu
     }
   }
   if constexpr (Damp == Damping::counted) {
-    sum += load_pack<P>(block.column[BondBlock::share] + first) * power;
+    sum += load_pack<P>(rest.share + first) * power;
   }
   add_loads<Exact>(to_lo, {force.f.x, force.f.y, force.torque_lo, none});
   add_loads<Exact>(to_hi, {-force.f.x, -force.f.y, force.torque_hi, none});
@@ -110,14 +111,15 @@ FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
   const int count = bonds.count, whole = count / 4 * 4;
   const BondBlock *block = bonds.blocks.data();
   for (int first = 0; first < whole; first += 4, ++block) {
+    const BondRest &rest = bonds.rest(first);
     for (int k = 0; k < parts; ++k) {
-      evaluate_pack<Damp, Exact, true, P, Width>(t, *block, first + k * Width, k * Width, Width,
-                                                 part[k], odd);
+      evaluate_pack<Damp, Exact, true, P, Width>(t, *block, rest, first + k * Width, k * Width,
+                                                 Width, part[k], odd);
     }
   }
   for (int k = 0; k < parts && whole + k * Width < count; ++k) {
-    evaluate_pack<Damp, Exact, false, P, Width>(t, *block, whole + k * Width, k * Width,
-                                                count - whole - k * Width, part[k], odd);
+    evaluate_pack<Damp, Exact, false, P, Width>(t, *block, bonds.rest(whole), whole + k * Width,
+                                                k * Width, count - whole - k * Width, part[k], odd);
   }
   LaneSums sums;
   for (int k = 0; k < parts; ++k) sums.add(k * Width, part[k]);

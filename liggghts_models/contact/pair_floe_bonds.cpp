@@ -106,13 +106,13 @@ void PairFloe::bond_alone(int number, Losses &lost) {
                   {at(B::hi_bx), at(B::hi_by)},
                   0.0,
                   0.0,
-                  at(B::crack_a),
-                  at(B::crack_b)};
+                  bonded_.crack_a(number),
+                  bonded_.crack_b(number)};
   const BondConstants constants{at(B::length), at(B::ratio), at(B::damping), at(B::squeeze)};
   const BondPose pose{{hi.x - lo.x, hi.y - lo.y}, {lo.cos, lo.sin}, {hi.cos, hi.sin},
                       {hi.u - lo.u, hi.v - lo.v}, lo.spin,          hi.spin};
   const BondLine line = bond_line(shape, pose);
-  const double share = at(B::share);
+  const double share = bonded_.share(number);
   const auto elastic_power = [&] {  // by which the bond's energy falls, W
     double none;
     return pair_power(bond_force<false>(bond, constants, shape, line, pose, none), pose);
@@ -128,8 +128,7 @@ void PairFloe::bond_alone(int number, Losses &lost) {
       if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;
       if (counted && shape.broken()) lost.broken += 1.0;
       if (counted && shape.broken() && log_breakages) note_breakage(number, before, line, energy);
-      bonded_.at(B::crack_a, number) = shape.crack_a;
-      bonded_.at(B::crack_b, number) = shape.crack_b;
+      bonded_.crack(number, shape.crack_a, shape.crack_b);
       if (shape.broken()) {
         const double distance = std::sqrt(square);
         const double push = -bond_normal_force(bond, constants, before, line);

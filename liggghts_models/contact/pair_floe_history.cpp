@@ -91,8 +91,8 @@ void PairFloe::write_history() {
   for (int k = 0; k < bonded_.count; ++k) {
     double *h = bonded_.places[k].history;
     if (!h) continue;
-    h[slot::crack_a] = bonded_.at(BondBlock::crack_a, k);
-    h[slot::crack_b] = bonded_.at(BondBlock::crack_b, k);
+    h[slot::crack_a] = bonded_.crack_a(k);
+    h[slot::crack_b] = bonded_.crack_b(k);
   }
   for (std::size_t k = 0; k < contacts_.ends.size(); ++k) {
     double *h = contacts_.places[k].history;

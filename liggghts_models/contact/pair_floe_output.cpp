@@ -36,14 +36,10 @@ BondShape PairFloe::shape_of(int number) {
   using B = BondBlock;
   const auto at = [&](B::Column column) { return bonded_.at(column, number); };
   const double *h = bonded_.places[number].history;
-  return {{at(B::lo_ax), at(B::lo_ay)},
-          {at(B::lo_bx), at(B::lo_by)},
-          {at(B::hi_ax), at(B::hi_ay)},
-          {at(B::hi_bx), at(B::hi_by)},
-          h ? h[slot::span] : 0.0,
-          h ? h[slot::bond_thickness] : 0.0,
-          at(B::crack_a),
-          at(B::crack_b)};
+  return {{at(B::lo_ax), at(B::lo_ay)}, {at(B::lo_bx), at(B::lo_by)},
+          {at(B::hi_ax), at(B::hi_ay)}, {at(B::hi_bx), at(B::hi_by)},
+          h ? h[slot::span] : 0.0,      h ? h[slot::bond_thickness] : 0.0,
+          bonded_.crack_a(number),      bonded_.crack_b(number)};
 }
 
 BondConstants PairFloe::constants_at(int number) {
@@ -81,7 +77,7 @@ void PairFloe::each_pair(const std::function<void(const PairState &)> &visit) {
            own ? force.torque_lo : force.torque_hi,
            own ? force.torque_hi : force.torque_lo,
            bond_energy(bond, constants, shape, line),
-           bonded_.at(BondBlock::share, k),
+           bonded_.share(k),
            bonded_.places[k].history,
            k});
   }

@@ -7,6 +7,8 @@
 #include "atom.h"
 #include "fix_floe_integrate.h"
 #include "orientation.h"
+#include "output.h"
+#include "plugin.h"
 #include "update.h"
 
 using namespace LAMMPS_NS;
@@ -104,25 +106,64 @@ void FixFloeIntegrate::advance() {
     if (fused) std::fill(loads.begin() + first, loads.begin() + last, floe::Load{});
     // Of all elements: for those that did not turn it changes nothing.
     if (!use_orientation) continue;
-    floe::write_turns(theta + first, last - first, turn[first]);
-    for (int i = first; i < last && fused; ++i) {
-      bodies[i].cos = turn[i][0];
-      bodies[i].sin = turn[i][1];
+    if (fused) {
+      double turns[2 * group];
+      floe::write_turns(theta + first, last - first, turns);
+      for (int i = first; i < last; ++i) {
+        bodies[i].cos = turns[2 * (i - first)];
+        bodies[i].sin = turns[2 * (i - first) + 1];
+      }
+    } else {
+      floe::write_turns(theta + first, last - first, turn[first]);
     }
   }
   ledger = sum;
   first_kick = false;
   loads_cleared = fused;
+  arrays_current_ = !fused;
+  if (output_now()) write_velocities();
+  if (!arrays_current_) write_sent();
+}
+
+// Whether somebody may look at the elements after this step.
+bool FixFloeIntegrate::output_now() const {
+  return update->ntimestep == update->laststep || update->ntimestep == output->next;
+}
+
+void FixFloeIntegrate::write_velocity(int i) {
+  const floe::Body &body = bodies[i];
+  atom->v[i][0] = body.u;
+  atom->v[i][1] = body.v;
+  atom->omega[i][2] = body.spin;
+  turn[i][0] = body.cos;
+  turn[i][1] = body.sin;
+}
+
+void FixFloeIntegrate::write_velocities() {
+  if (arrays_current_) return;
+  for (int i = 0; i < atom->nlocal; ++i) write_velocity(i);
+  arrays_current_ = true;
+}
+
+// LIGGGHTS hands velocities to ghosts from its arrays.
+void FixFloeIntegrate::write_sent() {
+  const int nlocal = atom->nlocal;
+  floe::each_sent(comm, [this, nlocal](int i) {
+    if (i < nlocal) write_velocity(i);
+  });
 }
 
 template <bool External, bool Fused>
 void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime &time,
                                     floe::Ledger &sum) {
   using floe::Vec2;
-  double **const x = atom->x, **const v = atom->v, **const omega = atom->omega;
+  double **const v = atom->v, **const omega = atom->omega;
+  double (*const x)[3] =
+      reinterpret_cast<double (*)[3]>(atom->x[0]);  // LIGGGHTS' rows are one array
   double *const *const f = atom->f, *const *const torques = atom->torque;
   floe::Body *const body = bodies.data();
   const floe::Load *const load = loads.data();
+  const bool from_body = Fused && !arrays_current_;
   const double *radius = atom->radius, *mass = atom->rmass;
   const int *type = atom->type, *mask = atom->mask;
   const double step = update->dt;
@@ -130,7 +171,7 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
   const bool grounds = seabed.use && !forcing.depth.empty();
 
   for (int i = first; i < last; ++i) {
-    if (!(mask[i] & groupbit)) {
+    if (!Fused && !(mask[i] & groupbit)) {
       theta[i] += step * omega[i][2];  // whoever moves it, its bonds turn with it
       continue;
     }
@@ -143,8 +184,10 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
       sum.impulse_fixed_y += contact.y * step;
       continue;
     }
-    const Vec2 u{v[i][0], v[i][1]};
-    const double m = mass[i], r = radius[i], spin = omega[i][2];
+    const double *const speed = from_body ? &body[i].u : v[i];
+    const Vec2 u{speed[0], speed[1]};
+    const double m = mass[i], r = Fused ? body[i].radius : radius[i];
+    const double spin = from_body ? body[i].spin : omega[i][2];
     floe::DriftStep out;
     double new_spin, limit = 0.0;
     if constexpr (External) {
@@ -185,17 +228,18 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
       given[3] += out.ocean.y;
     }
     const Vec2 place{x[i][0] + step * out.u_new.x, x[i][1] + step * out.u_new.y};
-    v[i][0] = out.u_new.x;
-    v[i][1] = out.u_new.y;
     x[i][0] = place.x;
     x[i][1] = place.y;
-    omega[i][2] = new_spin;
     if (Fused) {
       body[i].x = place.x;
       body[i].y = place.y;
       body[i].u = out.u_new.x;
       body[i].v = out.u_new.y;
       body[i].spin = new_spin;
+    } else {
+      v[i][0] = out.u_new.x;
+      v[i][1] = out.u_new.y;
+      omega[i][2] = new_spin;
     }
     theta[i] += step * new_spin;
   }

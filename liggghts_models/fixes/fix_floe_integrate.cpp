@@ -45,6 +45,7 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
              floe::defaults::seabed_creep, floe::defaults::seabed_openness},
       start_time(0.0),
       ask_fused(false),
+      arrays_current_(true),
       first_kick(true),
       stop_at_fault(true),
       default_thickness(1.0),
@@ -232,6 +233,7 @@ void FixFloeIntegrate::warn_of_others() {
 }
 
 void FixFloeIntegrate::pre_exchange() {
+  write_velocities();
   // A run without set-up begins here: what moves now goes to other ranks with all that it has.
   between_runs_ = false;
   if (pairs) pairs->lists_change();

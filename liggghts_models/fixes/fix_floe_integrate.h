@@ -75,7 +75,7 @@ class FixFloeIntegrate : public Fix {
   double *ridged_area;  // m2, turned into ridges since the element was made
   double *bonds_made;   // how many bonds the element was given
   double **impulse;     // N s, of wind (x, y) and of the ocean (x, y), since the element was made
-  double **turn;        // cosine and sine of theta, of elements and ghosts
+  double **turn;  // cosine and sine of theta, of elements and ghosts, as current as velocities
 
   // What the pair style reads and adds up, of elements and ghosts: valid from one evaluation of the
   // pairs to the next, in LIGGGHTS' order. The parts that damping has in the loads are there with
@@ -89,6 +89,9 @@ class FixFloeIntegrate : public Fix {
   // forces are not touched.
   bool fused;
   void write_forces();  // into LIGGGHTS' arrays, for others to read
+  // Fused, velocities, spins and orientations lie in the bodies alone, but for elements that other
+  // ranks see, until a run ends, lists are made anew or something is printed.
+  void write_velocities();
   // Energy (J) that damping takes in the half of a step that leads from the present velocities, which
   // belong to half a step ago, to those at the time of the positions.
   floe::DampingWork damping_to_now() const;
@@ -121,7 +124,11 @@ class FixFloeIntegrate : public Fix {
   void find_variables();
   void sample_variables();
   void take_variables(int i, floe::ForcingSample &here) const;
-  bool ask_fused;  // by keyword
+  bool output_now() const;
+  void write_velocity(int i);
+  void write_sent();
+  bool ask_fused;        // by keyword
+  bool arrays_current_;  // velocities, spins and orientations of LIGGGHTS' arrays
   bool has_run_ = false;
   bool between_runs_ = false;  // commands may change the elements
   bool first_kick;             // no step was made since the elements were set
