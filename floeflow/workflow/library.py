@@ -9,7 +9,7 @@ from pathlib import Path
 
 import floeflow
 from floeflow.core.errors import FloeError
-from floeflow.coupling.resume import file_hash
+from floeflow.core.file_hash import file_hash
 
 # Packages behind each stage, beside those that all share. Keys of the scene have hashes of their
 # own, so a new key alone redoes nothing.
