@@ -29,7 +29,7 @@ year: ## run the Arctic for a year with every effect, and print where its report
 	@$(MAKE) run SCENE=config/scenes/arctic_year.yaml
 
 test: setup lint ## set up, then run lint and every test but the slow ones
-	ctest --test-dir build/liggghts_models --output-on-failure
+	ctest --test-dir build/liggghts_models --output-on-failure --parallel 2
 	@setup/test.sh
 
 test-slow: setup ## the tests that take minutes and belong to neither verification nor stability
