@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
-.PHONY: help setup run year test test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
+.PHONY: help setup run year test test-slow test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -29,8 +29,11 @@ year: ## run the Arctic for a year with every effect, and print where its report
 	@$(MAKE) run SCENE=config/scenes/arctic_year.yaml
 
 test: setup lint ## set up, then run lint and every test but the slow ones
-	ctest --test-dir build/liggghts_models --output-on-failure
+	ctest --test-dir build/liggghts_models --output-on-failure --parallel 2
 	@setup/test.sh
+
+test-slow: setup ## the tests that take minutes and belong to neither verification nor stability
+	.venv/bin/python -m pytest -m "slow and not verification and not stability" tests
 
 test-browser: setup ## open a report in Chromium: quiet, offline, moved by keys; screenshots in results/browser
 	@setup/browser.sh
@@ -48,7 +51,7 @@ slurm-demo: setup ## run `smoke` through both cluster profiles on a private Slur
 	@setup/slurm_demo.sh
 
 verification: setup ## compare with theory and references at length, draw docs/images/verification
-	.venv/bin/python -m pytest -m verification --figures tests/verification
+	.venv/bin/python -m pytest -m verification --references --figures tests/verification
 
 stability: setup ## run the hard cases at length: results/stability/stability.html, docs/hard_cases.md
 	.venv/bin/python -m pytest -q -m stability --figures \

@@ -18,6 +18,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.core.atomic_write import write_text
+from floeflow.core.file_hash import file_hash
 from floeflow.core.lock import hold_alone
 from floeflow.coupling import resume
 from floeflow.coupling.job import Job
@@ -80,11 +81,11 @@ class Chunk:
 
 def fixed_hashes(chunk: Chunk) -> dict[str, str]:
     """What goes into the hash of every window of a run; see ``resume.window_hashes``."""
-    files = [resume.file_hash(path) for path in users_files(chunk.scene)]
+    files = [file_hash(path) for path in users_files(chunk.scene)]
     return {
         **window_keys(chunk.scene),
         "forcing_files": " ".join(files),
-        "plugin": resume.file_hash(chunk.plugin),
+        "plugin": file_hash(chunk.plugin),
         "library": chunk.library,
         "ranks": str(chunk.ranks),
     }

@@ -28,7 +28,7 @@ from floeflow.analysis.studies.variants import variant_scene
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import claim_scene, clear_stale_locks, join_run
-from floeflow.core.meshes import check_mesh_file
+from floeflow.core.mesh_check import check_mesh_file
 from floeflow.core.plugin import plugin_path
 from floeflow.scene import Scene
 from floeflow.scene.checks import scene_warnings

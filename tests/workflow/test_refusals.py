@@ -26,7 +26,7 @@ def listing(folder: Path) -> dict[str, int]:
 def refusal(place: Place, scene: Path) -> str:
     """Output of a run that must be refused before any job and must change no file."""
     before = listing(place.folder)
-    done = place.run(scene)
+    done = place.run(scene, ranks=1)
     assert done.returncode == 1, done.stdout
     assert "Traceback" not in done.stdout
     said = [line for line in done.stdout.splitlines() if line.startswith("floeflow: ")]

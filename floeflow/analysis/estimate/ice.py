@@ -37,6 +37,11 @@ EMISSIVITY, TRANSFER = _KEYS.emissivity, _KEYS.bulk_transfer
 LATENT_SUBLIMATION = LATENT_FUSION + LATENT_VAPOUR  # J/kg
 ALBEDO_SNOW, ALBEDO_ICE, ALBEDO_POND, ALBEDO_WATER = 0.8, 0.55, 0.25, 0.06
 STEPS = 200
+# Effects that a run asks for: runs that differ in others alone are one.
+ACTING = frozenset(
+    ("thermodynamics", "shortwave", "snow", "ponds", "frazil", "lateral_melt", "mixed_layer")
+    + ("ridging",)
+)
 
 
 @dataclass(frozen=True)
@@ -85,7 +90,6 @@ def _surface(c: Conditions, conductance: float, albedo: float) -> tuple[float, f
     return 0.5 * (low + high), 0.0
 
 
-@lru_cache(maxsize=256)
 def run_ice(c: Conditions, effects: frozenset[str]) -> Ice:
     """Ice at the end of the run: the mean of two halves of the sea, with more and less ice.
 
@@ -94,8 +98,13 @@ def run_ice(c: Conditions, effects: frozenset[str]) -> Ice:
     c : Conditions
         Of the scene.
     effects : frozenset of str
-        Effects that act: thermodynamics and what refines it, ridging.
+        Effects of the run; those that act are thermodynamics, what refines it, and ridging.
     """
+    return _run_ice(c, effects & ACTING)
+
+
+@lru_cache(maxsize=256)
+def _run_ice(c: Conditions, effects: frozenset[str]) -> Ice:
     if "shortwave" not in effects:
         c = replace(c, shortwave_down=0.0)
     dense = min(1.0, c.concentration + c.concentration_spread, 2.0 * c.concentration)

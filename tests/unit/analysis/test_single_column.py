@@ -275,7 +275,7 @@ def test_the_tutorial_makes_its_forcing_and_runs(shared: Path, tmp_path: Path, m
     assert block is not None
     table = shared / "data/era5_arctic_point_hourly_2012.txt"
     if not table.is_file():
-        pytest.skip(f"no {table}")
+        pytest.skip(f"no reference data at {table}")
     (tmp_path / table.name).symlink_to(table)
     monkeypatch.chdir(tmp_path)
     exec(compile(block[1], "tutorial", "exec"), {})

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from floeflow.core.units import conversion
+from floeflow.core.units import COMMON, _by_pint, conversion
 
 
 @pytest.mark.parametrize("text", ["1", "", "(0 - 1)", "unitless", "none", "0-1", "Fraction"])
@@ -57,3 +57,8 @@ def test_spellings(text: str, si: str, factor: float, offset: float) -> None:
 )
 def test_what_is_no_such_unit(text: str, si: str) -> None:
     assert conversion(text, si) is None
+
+
+def test_what_is_told_without_pint_is_what_pint_says():
+    for (text, si), found in COMMON.items():
+        assert conversion(text, si) == found == _by_pint(text, si)

@@ -8,6 +8,11 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from support.beside import taken
 
 ROOT = Path(__file__).parents[3]
 
@@ -65,6 +70,37 @@ def test_ci_runs_make_test_and_passes_its_exit_code_on(tmp_path: Path) -> None:
     )
     assert run.returncode == 7
     assert (tmp_path / "called").read_text() == f"{ROOT}: make test\n"
+
+
+PYTEST = """#!/bin/sh
+echo "SKIPPED [3] tests/conftest.py:40: no reference data at /nowhere (FLOEFLOW_SHARED ...)"
+echo "SKIPPED [9] tests/unit/x.py:1: valgrind is not installed"
+case "$*" in *pytest-{failing}*) exit 1 ;; esac
+"""
+
+
+@pytest.mark.parametrize("failing", ["1", "2", "none"])
+def test_both_processes_of_the_tests_count(tmp_path: Path, failing: str) -> None:
+    """A failure in either is one of the whole, and what lacked reference data is told last."""
+    python = tmp_path / ".venv/bin/python"
+    python.parent.mkdir(parents=True)
+    python.write_text(PYTEST.format(failing=failing))
+    python.chmod(0o755)
+    (tmp_path / "setup").mkdir()
+    script = shutil.copy(ROOT / "setup/test.sh", tmp_path / "setup")
+    run = subprocess.run(["bash", script], capture_output=True, text=True)
+    assert run.returncode == (failing != "none")
+    last = run.stdout.splitlines()[-1]
+    assert last.startswith("FloeFlow: 6 tests were skipped because reference data are absent")
+
+
+def test_modules_are_shared_out_once(tmp_path: Path) -> None:
+    """Two processes that run tests side by side: none is left out, none runs twice."""
+    paths = [ROOT / f"tests/{name}/test_{name}.py" for name in "abc" for _ in range(2)]
+    items = [SimpleNamespace(path=path, number=number) for number, path in enumerate(paths)]
+    first, second = taken(tmp_path, items), taken(tmp_path, items)
+    ran = [next(first), next(second), next(first), *second, *first]
+    assert [item.number for item in ran] == [0, 2, 1, 3, 4, 5]
 
 
 def test_every_target_of_make_has_its_line_of_help() -> None:
