@@ -9,12 +9,8 @@ from pathlib import Path
 
 import floeflow
 from floeflow.core.errors import FloeError
-<<<<<<< HEAD
 from floeflow.core.extensions import extension_digest
-from floeflow.coupling.resume import file_hash
-=======
 from floeflow.core.file_hash import file_hash
->>>>>>> house
 
 # Packages behind each stage, beside those that all share. Keys of the scene have hashes of their
 # own, so a new key alone redoes nothing.

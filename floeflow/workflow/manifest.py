@@ -19,14 +19,9 @@ from pathlib import Path
 from typing import Any
 
 from floeflow.core.atomic_write import write_text
-<<<<<<< HEAD
-from floeflow.coupling.resume import file_hash
+from floeflow.core.file_hash import file_hash
 from floeflow.forcings.files import depth_files, forcing_files
 from floeflow.masks.regions import polygon_inputs
-=======
-from floeflow.core.file_hash import file_hash
-from floeflow.forcings.files import forcing_files
->>>>>>> house
 from floeflow.scene import Scene
 from floeflow.workflow.library import PACKAGES, library_digest
 

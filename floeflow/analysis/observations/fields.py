@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,8 @@ from floeflow.masks.mask_file import as_share, find_concentration
 from floeflow.scene import Scene
 
 Array = NDArray[np.float64]
+
+log = logging.getLogger(__name__)
 
 # Where one edge is known to be and the other not, cells of less sea do not count.
 LEAST_SEA = 0.5
@@ -106,7 +109,9 @@ def observed_shares(scene: Scene, path: Path, variable: str, crs: str) -> tuple[
         source = files.source_grid(variables, item, layout, data, path)
         index = within if layout.time else np.array([0])
         found = files.read_unpacked(data, item.name, layout, source, index, path)
-        shares = as_share(found, item, path)
+        shares, note = as_share(found, item, path)
+    if note:
+        log.warning("%s", note)
     carry = area_means.transfer(source, grid, plane, lon, lat)
     known = np.isfinite(shares)
     weight = carry.of(known.astype(float))

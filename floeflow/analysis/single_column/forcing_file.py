@@ -148,7 +148,7 @@ def read_point(
     length = min(float(seconds[-1]) for seconds, _ in series.values() if seconds.size > 1)
     left = {name: value for name, value in constant.items() if name not in series}
     _derive(series, left)
-    return PointForcing(start, length, series, left, place, tuple(said))
+    return PointForcing(start, length, series, left, place, said=tuple(said))
 
 
 def _start(files: Sequence[InputFile]) -> datetime:
