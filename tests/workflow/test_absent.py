@@ -31,8 +31,8 @@ BARE = ("wind",)
 COLUMN = {"scheme": "mushy", "categories": 2}
 # Along a meridian through the middle of the scene.
 GATES = {"names": ["middle"], "lines": [[-127.0, 80.0, -127.0, 65.0]]}
-# Shallow enough for the scene's ridges.
-GROUNDING = {"depth": 10.0}
+# Shallow enough for the ridges of the scene, on ground too soft to hold them fast.
+GROUNDING = {"depth": 10.0, "strength": 0.05}
 # Of two effects that exclude each other only the first can be in a run.
 EVERY = compatible(EFFECTS)
 
