@@ -259,7 +259,23 @@ def _refuse_dims(variables: dict[str, Variable], variable: Variable, path: str |
                 f"{path}: '{dim}' of variable '{variable.name}' {has}, not such as "
                 "'days since 1981-12-31', so its times are not known"
             )
-    raise FloeError(f"{said}, which are not longitude and latitude, or projected x and y")
+    known = {dim for dim in variable.dims if dimension_kind(variables, dim)}
+    kinds_found = {dimension_kind(variables, dim) for dim in known}
+    more = [
+        (dim, size)
+        for dim, size in zip(variable.dims, variable.shape, strict=True)
+        if size > 1 and dim not in known
+    ]
+    if more and ({"latitude", "longitude"} <= kinds_found):
+        raise FloeError(
+            f"{path}: variable '{variable.name}' has {more[0][1]} values along '{more[0][0]}', "
+            "which is no time, level, longitude or latitude: keep one of them in the file"
+        )
+    bare = {dim[:1].lower() for dim, _ in more} >= {"x", "y"}
+    raise FloeError(
+        f"{said}, which are not longitude and latitude, or projected x and y"
+        + (": name their projection in mask.crs or forcing.crs" if bare else "")
+    )
 
 
 def dimension_kind(variables: dict[str, Variable], dim: str) -> str:

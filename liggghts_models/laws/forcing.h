@@ -124,26 +124,55 @@ inline bool meets_nodes(double position, double origin, double spacing, int n, d
   return std::floor(s - reach) != std::floor(s + reach);
 }
 
+// Nodes of one axis that a disc meets: the first, and how many.
+inline int nodes_met(double position, double origin, double spacing, int n, double radius,
+                     int &count) {
+  double weight;
+  const int first = forcing_cell(position - radius, origin, spacing, n, weight);
+  const int last = forcing_cell(position + radius, origin, spacing, n, weight);
+  count = std::min(last + 2, n) - first;
+  return first;
+}
+
+// Velocities are means over the disc; Coriolis parameter, vorticity and depth are its centre's.
 inline ForcingSample disc_mean(const ForcingGrid &g, const ForcingTime &time, double x, double y,
                                double radius) {
+  ForcingSample out = sample_forcing(g, time, x, y);
   if (!meets_nodes(x, g.x0, g.dx, g.nx, radius) && !meets_nodes(y, g.y0, g.dy, g.ny, radius)) {
-    return sample_forcing(g, time, x, y);
+    return out;
   }
-  ForcingSample mean{};
+  // Shares of the nodes are added up first, so that each node is read once.
+  int columns, rows;
+  const int left = nodes_met(x, g.x0, g.dx, g.nx, radius, columns);
+  const int low = nodes_met(y, g.y0, g.dy, g.ny, radius, rows);
+  constexpr int most = 64;
+  double some[most];
+  std::vector<double> many(columns * rows > most ? columns * rows : 0);
+  double *const share = many.empty() ? some : many.data();
+  std::fill(share, share + columns * rows, 0.0);
+  const int right = columns > 1 ? 1 : 0, up = rows > 1 ? columns : 0;
   for (const Vec2 &at : disc_places()) {
-    const ForcingSample s = sample_forcing(g, time, x + radius * at.x, y + radius * at.y);
-    mean.wind = {mean.wind.x + s.wind.x, mean.wind.y + s.wind.y};
-    mean.ocean = {mean.ocean.x + s.ocean.x, mean.ocean.y + s.ocean.y};
-    mean.coriolis += s.coriolis;
-    mean.vorticity += s.vorticity;
-    mean.depth += s.depth;
+    double wx, wy;
+    const int ix = forcing_cell(x + radius * at.x, g.x0, g.dx, g.nx, wx) - left;
+    const int iy = forcing_cell(y + radius * at.y, g.y0, g.dy, g.ny, wy) - low;
+    double *const node = share + iy * columns + ix;
+    node[0] += (1.0 - wx) * (1.0 - wy);
+    node[right] += wx * (1.0 - wy);
+    node[up] += (1.0 - wx) * wy;
+    node[up + right] += wx * wy;
   }
-  constexpr double share = 1.0 / 16;
-  return {{share * mean.wind.x, share * mean.wind.y},
-          {share * mean.ocean.x, share * mean.ocean.y},
-          share * mean.coriolis,
-          share * mean.vorticity,
-          share * mean.depth};
+  double mean[4] = {0.0, 0.0, 0.0, 0.0};
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      const std::size_t node = 4 * (static_cast<std::size_t>(low + j) * g.nx + left + i);
+      const double *a = time.before + node, *b = time.after + node;
+      const double weight = share[j * columns + i] / 16.0;
+      for (int k = 0; k < 4; ++k) mean[k] += weight * (a[k] + time.weight * (b[k] - a[k]));
+    }
+  }
+  out.wind = {mean[0], mean[1]};
+  out.ocean = {mean[2], mean[3]};
+  return out;
 }
 
 // What acts on an element.

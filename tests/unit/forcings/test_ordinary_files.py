@@ -238,3 +238,21 @@ def test_what_is_taken_for_granted_of_daily_values_is_told(
     path = write(tmp_path / "d.nc", fields, (0, 24))
     told = read(scene_of(path), path).attrs["sources"]
     assert (said in told) if said else ("bounds" not in told)
+
+
+def test_what_keeps_a_variable_from_being_a_map_is_named(tmp_path: Path) -> None:
+    """Members of an ensemble; axes in metres of no known projection; a page in place of data."""
+    path = write(tmp_path / "f.nc", {"u": (3.0, EAST), "v": (4.0, NORTH)})
+    with xr.open_dataset(path, decode_times=False) as data:
+        members = data.load().expand_dims(number=[0, 1])
+    members.to_netcdf(tmp_path / "members.nc")
+    plain = members.isel(number=0).rename(lat="y", lon="x").drop_vars(["x", "y", "number"])
+    plain.to_netcdf(tmp_path / "plain.nc")
+    (tmp_path / "page.nc").write_bytes(b"\n<!DOCTYPE html><html>Earthdata Login</html>")
+    for name, sentence in (
+        ("members.nc", "'u' has 2 values along 'number', which is no time, level, longitude or la"),
+        ("plain.nc", "projected x and y: name their projection in mask.crs or forcing.crs"),
+        ("page.nc", "is a page of HTML or XML and no data: did its download need a login?"),
+    ):
+        with pytest.raises(FloeError, match=sentence.replace("?", r"\?")):
+            read(scene_of(tmp_path / name), tmp_path / name)
