@@ -372,15 +372,15 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
         if name not in EFFECTS:
             near = get_close_matches(name, EFFECTS, n=1)
             hint = f"did you mean '{near[0]}'?" if near else "known are " + ", ".join(EFFECTS)
-            raise FloeError(f"effects: '{name}' is no effect; {hint}")
+            raise FloeError(f"effects: unknown effect '{name}'; {hint}")
         if names.count(name) > 1:
-            raise FloeError(f"effects: '{name}' is named twice")
+            raise FloeError(f"effects: '{name}' is listed twice")
         for other in EFFECTS[name].excludes:
             if other in names:
-                raise FloeError(f"effects: '{name}' and '{other}' exclude each other")
+                raise FloeError(f"effects: '{name}' and '{other}' cannot be used together")
         for need in EFFECTS[name].needs:
             if need not in names:
-                raise FloeError(f"effects: '{name}' needs '{need}', which the scene does not name")
+                raise FloeError(f"effects: '{name}' requires '{need}', which is not listed")
     return tuple(name for name in EFFECTS if name in names)
 
 

@@ -2,9 +2,9 @@
 """Checksummed NetCDF-4 files, written whole or not at all.
 
 A file is written under a unique temporary name beside its place, synced and renamed, so that a
-reader sees the old file or the new one, never a half. It ends with the seal of its bytes (seal.py),
-which the reader verifies first. The attribute `checksum` names the content, whatever library wrote
-it: it covers names, types, shapes, bytes and attributes.
+reader sees the old file or the new one, never a half. It ends with the seal of its bytes
+(`floeflow.state.file_checksum`), which the reader verifies first. The attribute `checksum` names
+the content, whatever library wrote it: it covers names, types, shapes, bytes and attributes.
 """
 
 from __future__ import annotations

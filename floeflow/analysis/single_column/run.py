@@ -42,6 +42,7 @@ DAY = 86400.0
 def arguments() -> argparse.ArgumentParser:
     """The command line."""
     parser = argparse.ArgumentParser(
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
         prog="floeflow column",
         description="One column of sea ice and its year.",
     )
@@ -50,7 +51,12 @@ def arguments() -> argparse.ArgumentParser:
     add("--scheme", choices=tuple(SCHEMES), default="bl99", help="vertical thermodynamics")
     add("--categories", type=int, default=1, help="thickness categories")
     add("--layers", type=int, default=7, help="layers of ice (bl99, mushy)")
-    add("--light", choices=("ccsm3", "delta_eddington"), default="ccsm3", help="in snow and ice")
+    add(
+        "--light",
+        choices=("ccsm3", "delta_eddington"),
+        default="ccsm3",
+        help="radiation scheme for snow and ice",
+    )
     add(
         "--variant",
         choices=("convergent", "icepack"),
@@ -59,22 +65,37 @@ def arguments() -> argparse.ArgumentParser:
     )
     add("--ponds", action="store_true", help="melt ponds (bl99, mushy)")
     add("--without", nargs="+", choices=PROCESSES, default=[], help="processes to leave out")
-    add("--thickness", type=float, default=1.5, help="ice at the start (m)")
-    add("--fraction", type=float, default=1.0, help="share under ice at the start")
-    add("--snow", type=float, default=0.2, help="snow on the ice at the start (m)")
+    add("--thickness", type=float, default=1.5, help="initial ice thickness (m)")
+    add("--fraction", type=float, default=1.0, help="initial ice concentration (0 to 1)")
+    add("--snow", type=float, default=0.2, help="initial snow depth (m)")
     add("--step", type=float, default=3600.0, help="longest time step (s)")
     add("--every", type=float, default=DAY, help="time between records (s)")
-    add("--days", type=float, default=0.0, help="length of the run; 0: that of the forcing")
-    add("--repeat", type=int, default=1, help="run through the forcing so many times")
-    add("--lon", type=float, help="longitude of the place, on a grid (degrees)")
-    add("--lat", type=float, help="latitude of the place, on a grid (degrees)")
-    add("--accumulation", choices=("hour", "step", "day"), default="", help="interval of sums")
-    add("--salinity", type=float, default=34.0, help="of the sea (1e-3)")
-    add("--mixed-layer-depth", type=float, default=20.0, help="m")
-    add("--new-ice-thickness", type=float, default=0.05, help="m")
-    add("--ocean-heat-flux", type=float, default=2.0, help="where the file has none (W/m2)")
-    add("--friction-velocity", type=float, default=0.005, help="under the ice (m/s)")
-    add("--pressure", type=float, default=101325.0, help="where the file has none (Pa)")
+    add("--days", type=float, default=0.0, help="length of the run (days); 0: that of the forcing")
+    add("--repeat", type=int, default=1, help="number of times to run through the forcing")
+    add("--lon", type=float, help="longitude, for a file on a grid (degrees east)")
+    add("--lat", type=float, help="latitude, for a file on a grid (degrees north)")
+    add(
+        "--accumulation",
+        choices=("hour", "step", "day"),
+        default="",
+        help="interval over which the file sums radiation and precipitation",
+    )
+    add("--salinity", type=float, default=34.0, help="salinity of the sea (1e-3)")
+    add("--mixed-layer-depth", type=float, default=20.0, help="depth of the mixed layer (m)")
+    add("--new-ice-thickness", type=float, default=0.05, help="thickness of new ice (m)")
+    add(
+        "--ocean-heat-flux",
+        type=float,
+        default=2.0,
+        help="heat flux from the ocean, if the file has none (W/m2)",
+    )
+    add(
+        "--friction-velocity",
+        type=float,
+        default=0.005,
+        help="friction velocity under the ice (m/s)",
+    )
+    add("--pressure", type=float, default=101325.0, help="air pressure, if the file has none (Pa)")
     add(
         "--start",
         type=datetime.fromisoformat,
@@ -87,8 +108,8 @@ def arguments() -> argparse.ArgumentParser:
         metavar="KEY=VALUE",
         help="keys of a scene's block 'physics', as albedo_ice_visible=0.75 (config/README.md)",
     )
-    add("--output", type=Path, default=Path("column.nc"), help="record, NetCDF")
-    add("--figure", type=Path, default=Path("column.png"), help="picture of it, PNG")
+    add("--output", type=Path, default=Path("column.nc"), help="output file (NetCDF)")
+    add("--figure", type=Path, default=Path("column.png"), help="figure file (PNG)")
     return parser
 
 

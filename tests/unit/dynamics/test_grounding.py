@@ -145,7 +145,7 @@ def test_the_strength_is_that_of_the_keys(tmp_path: Path) -> None:
     [
         ("", "'grounding' needs grounding.file or a grounding.depth above 0"),
         ("depth: -1.0", "grounding.depth"),
-        ("dept: 1.0", "did you mean 'depth'"),
+        ("dept: 1.0", "did you mean 'grounding.depth'"),
         ("depth: 5.0, creep: 0.0", "grounding.creep"),
     ],
 )
