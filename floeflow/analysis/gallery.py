@@ -64,14 +64,15 @@ VIEWS = (
          "narrower than two cells of the mask, is open as on the 1 km mask."),
     View("arctic_august_2015", -1400.0, 300.0, 900.0,
          "The Arctic of 18 August 2015 (NSIDC-0081). Ice under 80 % has no bonds."),
-    View("fram_strait", -150.0, -1150.0, 160.0,
-         "Fram Strait in elements of 3 km, finer at the coast and at the ice edge."),
+    View("fram_strait", -330.0, -1130.0, 160.0,
+         "Fram Strait in elements of 3 km, finer at the coast and at the ice edge. Ice flows in "
+         "over the northern side and leaves over the others."),
     View("modis_floes", -1560.0, -215.0, 80.0,
          "Floes segmented from a MODIS scene of 1 August 2012. Each is a bonded cluster with the "
          "floe's area, centroid and second moments; none is bonded to another."),
     View("antarctic", -2100.0, 1300.0, 1300.0,
          "The Antarctic in September, within an ice edge drawn by hand: finer at the coast, sizes "
-         "of neighbours spread."),
+         "of neighbours spread. The two large ice shelves are drawn as land."),
     View("dense_pack_pressed", 10.0, 5.0, 6.0,
          "Floes of two sizes, compacted by the element model until they jam; the right wall will "
          "press them."),
@@ -181,9 +182,13 @@ def figures_of(made: Pack) -> str:
                  f"logarithm {number(value['quality_size_spread'], 2)}")  # fmt: skip
     parts.append(f"discs fill {number(value['quality_disc_share'], 3)} of the ice's area")
     parts.append(f"ice area off by {abs(value['quality_area_error']):.0e}")
+    if value["quality_ashore"] > 0.0:
+        parts.append(f"{number(100 * value['quality_ashore'], 2)} % of it on land")
     if "quality_outline_distance" in value:
         far = number(value["quality_outline_distance"], 3)
         parts.append(f"discs {far} m from the outlines on average")
+        worst = number(100 * value["quality_moment_error"], 2)
+        parts.append(f"second moments of the floes off by {worst} % of their trace at most")
     return ", ".join(parts)
 
 

@@ -16,8 +16,9 @@ from floeflow.analysis.estimate.cost import Coefficients
 from floeflow.analysis.plan.propose import adjusted
 from floeflow.coupling.first_state import first_pack
 from floeflow.coupling.initial import make_state
-from floeflow.dynamics.motion import engine_params
+from floeflow.dynamics.motion import engine_params, nearing
 from floeflow.dynamics.step.critical import critical_step
+from floeflow.forcings.window import window_forcing
 from floeflow.scene import Scene
 from floeflow.state.elements import element_arrays, pair_arrays
 from floeflow.state.schema import COAST, MOBILE
@@ -43,13 +44,16 @@ def fitted_to_pack(scene: Scene, c: Conditions, fit: Coefficients) -> Coefficien
     scene = scene.model_copy(update={"packing": keys})
     with tempfile.TemporaryDirectory() as scratch:
         made = first_pack(scene, Path(scratch))
+        forcing = window_forcing(scene, 1, Path(scratch))
     state = make_state(scene, made.packing, made.bonds, made.mask)
     elements = element_arrays(state, scene.dynamics.minimum_thickness)
     mobile, coast = (int((elements["type"] == kind).sum()) for kind in (MOBILE, COAST))
     if not mobile:
         return fit
     pairs = None if made.bonds is None else pair_arrays(state, "bond")
-    step = critical_step(elements, pairs, engine_params(scene))[0]
+    # As far as elements come in a window: the smallest of a fjord are no neighbours of all.
+    way = nearing(scene, elements, forcing)
+    step = critical_step(elements, pairs, engine_params(scene), way)[0]
     typical = cost.critical_step(adjusted(c, scene), scene, scene.effects, fit)
     longer = {name: step / typical * fit[name] for name in fit if name.startswith("step_")}
     share = coast / mobile / c.coast_share if c.coast_share else fit["coast_elements"]

@@ -30,8 +30,9 @@ from floeflow.analysis.studies.knobs import knobs
 from floeflow.analysis.studies.variants import changed
 from floeflow.core.errors import FloeError
 from floeflow.coupling.initial import make_state
-from floeflow.dynamics.motion import engine_params
+from floeflow.dynamics.motion import engine_params, nearing
 from floeflow.dynamics.step.critical import critical_step
+from floeflow.forcings.window import window_forcing
 from floeflow.masks.mask import make_mask
 from floeflow.packings.bonds import make_bonds
 from floeflow.packings.packing import make_packing
@@ -166,7 +167,7 @@ def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions
     assert found["step_bonds"] == pytest.approx(truth["step_bonds"], rel=0.05)
 
 
-def test_a_plan_knows_the_step_of_the_scenes_own_pack(scene: Scene, c: Conditions):
+def test_a_plan_knows_the_step_of_the_scenes_own_pack(scene: Scene, c: Conditions, tmp_path: Path):
     keys = changed(scene.model_dump(mode="json"), {"mask.land": "mask", "packing.elements": 60})
     small = build_scene(keys)
     fit = fitted_to_pack(small, c, coefficients())
@@ -175,7 +176,9 @@ def test_a_plan_knows_the_step_of_the_scenes_own_pack(scene: Scene, c: Condition
     packing = make_packing(mask, small.packing, small.seed, True)
     state = make_state(small, packing, make_bonds(packing, small.packing.bond_gap, 0.8, False))
     elements = element_arrays(state, small.dynamics.minimum_thickness)
-    step = critical_step(elements, pair_arrays(state, "bond"), engine_params(small))[0]
+    # That of the run's first window.
+    way = nearing(small, elements, window_forcing(small, 1, tmp_path))
+    step = critical_step(elements, pair_arrays(state, "bond"), engine_params(small), way)[0]
     assert cost.critical_step(own, small, small.effects, fit) == pytest.approx(step, rel=1e-12)
     assert sizes(own, small, small.effects, fit).elements == pytest.approx(
         len(elements["id"]), 0.02
