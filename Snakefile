@@ -33,3 +33,7 @@ rule all:
 
 onsuccess:
     print(SCENES.closing_line())
+
+
+onerror:
+    SCENES.say_faults()
