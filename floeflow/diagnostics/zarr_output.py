@@ -42,7 +42,9 @@ def write_zarr(grid: Path, target: Path) -> None:
     except OSError as error:
         raise FloeError(f"{grid}: cannot be read: {error.strerror or error}") from None
     for variable in data.variables.values():
-        variable.encoding = {key: variable.encoding[key] for key in KEPT if key in variable.encoding}
+        variable.encoding = {
+            key: variable.encoding[key] for key in KEPT if key in variable.encoding
+        }
         if variable.dims[:1] == ("time",) and variable.ndim > 1:
             variable.encoding["chunks"] = (min(TIMES, variable.shape[0]), *variable.shape[1:])
     half = target.with_name(f".{target.name}.part")
