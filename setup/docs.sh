@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Builds the site of the documentation in build/site, in a .venv of its own: any warning fails.
-# The pages load nothing from the network; they can be opened as files.
+# The pages load nothing from the network; opened as files all works but the search, which needs a
+# server: python3 -m http.server -d build/site
 set -euo pipefail
 # shellcheck source=setup/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -16,4 +17,8 @@ if ! cmp -s setup/requirements-docs.lock "$site/lock"; then
 fi
 # Material tells of a successor of MkDocs on every build; that is no warning of ours.
 NO_MKDOCS_2_WARNING=1 "$site/bin/mkdocs" build --quiet --strict --site-dir build/site
+loads='<(script|img|iframe)[^>]* src="https?:|<link[^>]* rel="(stylesheet|preconnect|icon)"[^>]* href="https?:'
+if grep -rlE "$loads" build/site --include='*.html' | head -3 | grep .; then
+    fail "these pages load something from the network."
+fi
 say "the site: build/site/index.html"

@@ -39,9 +39,11 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
                 return match[0]
             path = target.relative_to(docs).as_posix()
         else:
-            path = MORE.get(target.relative_to(root).as_posix(), "") if target.is_relative_to(
-                root
-            ) else ""
+            path = (
+                MORE.get(target.relative_to(root).as_posix(), "")
+                if target.is_relative_to(root)
+                else ""
+            )
         if not path:
             return f"{text} (`{link.lstrip('./')}`)" if text.strip("`") != link else text
         return f"[{text}]({posixpath.relpath(path, posixpath.dirname(name) or '.')}{anchor})"
