@@ -11,6 +11,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,7 +100,7 @@ def surface_forces(
         mass = mass + SNOW_DENSITY * np.nan_to_num(fields["sisnthick"])
     found: dict[str, Array] = {}
 
-    def add(name: str, values: Complex) -> None:
+    def add(name: str, values: NDArray[Any]) -> None:
         for axis, part in (("x", values.real), ("y", values.imag)):
             found[name.format(axis)] = np.where(np.isfinite(ice), part, np.nan)
 
