@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+from functools import partial
 from typing import Any
 
 # Words that tell of no event.
@@ -42,6 +43,12 @@ def tells(record: logging.LogRecord) -> bool:
     )
 
 
+def _without_gap(handler: Any, record: logging.LogRecord) -> bool:
+    """As `tells`; Snakemake's handler writes an empty line before a job that follows no other."""
+    handler.last_msg_was_job_info = True
+    return tells(record)
+
+
 def one_line_an_event(logger: Any) -> None:
     """Let a logger's streams that are no terminal print one line an event.
 
@@ -56,4 +63,4 @@ def one_line_an_event(logger: Any) -> None:
         if stream is None or file or handler.formatter is None or stream.isatty():
             continue
         handler.setFormatter(OneLine(handler.formatter))
-        handler.addFilter(tells)
+        handler.addFilter(partial(_without_gap, handler))
