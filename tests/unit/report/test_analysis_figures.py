@@ -13,6 +13,7 @@ from floeflow.diagnostics.deformation import ORDERS
 from floeflow.diagnostics.thickness_distribution import EDGES
 from floeflow.report.figures.analyses import analysis_figures
 from floeflow.report.figures.style import as_svg
+from floeflow.report.summary import motion_facts
 
 DAY = 86400.0
 NAMES = {
@@ -95,3 +96,10 @@ def test_a_few_points_are_no_figure():
     data = made(3, ("all", "run"), 90).drop_vars(["scaling_exponent", "floe_diameter_end"])
     found = [name for name, _, _ in analysis_figures(data, datetime(1982, 1, 1))]
     assert found == ["ice_thickness_distribution", "motion_wind"]
+
+
+def test_numbers_of_motion_name_their_source():
+    facts = motion_facts(made(3, ("all", "run"), 0))
+    assert [round(fact.value, 2) for fact in facts] == [1.2, 0.69]
+    assert all(fact.source.startswith("analyses.nc: wind_") for fact in facts)
+    assert motion_facts(xr.Dataset()) == []
