@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
-.PHONY: help setup run year test test-slow test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
+.PHONY: help setup run year test test-slow test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies docs doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -99,6 +99,9 @@ studies: setup ## ablation and accuracy of the example scenes, and docs/studies.
 	    done; done
 	.venv/bin/floeflow plan --refit
 	.venv/bin/python -m floeflow.analysis.studies.document
+
+docs: setup ## build the site of the documentation in build/site; any warning fails
+	@setup/docs.sh
 
 doctor: ## say what is there and what is missing, and try a probe of the plugin
 	@setup/doctor.sh

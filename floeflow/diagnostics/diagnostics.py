@@ -39,6 +39,7 @@ from floeflow.diagnostics.collect import (
     summarise_grid,
     summarise_states,
 )
+from floeflow.diagnostics.tendencies import tendencies
 from floeflow.scene.blocks import Domain
 from floeflow.state import read_state
 from floeflow.state.snapshots import read_snapshots
@@ -364,6 +365,9 @@ def diagnose(
     budgets = close_budgets(samples, scalars, boundaries, gridded, effects)
     seconds = cost_by_stage(costs, scalars["window"].values)
     start = str(first.attrs["start"])
+    lengths = np.diff(boundaries["boundary_time"].values)
+    sea = float(boundaries["ocean_area"].values[0])
+    scalars = scalars.merge(tendencies(scalars, sea, float(lengths[0])))
     data = assemble(samples, scalars, boundaries, gridded, budgets, seconds, start)
     stages = {str(name): float(seconds.sel(stage=name).sum()) for name in seconds["stage"].values}
     return data, {

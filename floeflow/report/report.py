@@ -162,7 +162,9 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
         *gallery.analysis_pictures(easel, scene, material.analyses),
         *gallery.budget_pictures(easel, budgets),
     ]
-    chapters, bars = make_chapters(pictures, summary.facts(headline, scene))
+    facts = summary.facts(headline, scene)
+    facts["motion"] += summary.motion_facts(material.analyses)
+    chapters, bars = make_chapters(pictures, facts)
     notes = str(material.mask.attrs.get("notes", "")).splitlines()
     return render(
         {

@@ -23,7 +23,7 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "bonds": ("packings",),
     "initial": ("packings", "column", "coupling"),
     "windows": ("forcings", "column", "dynamics", "transfer", "coupling"),
-    "fields": ("transfer", "diagnostics"),
+    "fields": ("transfer", "diagnostics", "forcings"),
     "diagnostics": ("diagnostics", "forcings"),
     "trajectory": ("diagnostics",),
     "mesh": ("diagnostics",),

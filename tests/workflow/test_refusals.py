@@ -117,6 +117,9 @@ def test_a_damaged_state_stops_the_window_and_is_kept(copy: Callable[[], Place],
     (place.results() / "state/0003.nc").unlink()
     done = place.run(place.scene(), "results/smoke/state/0003.nc")
     assert done.returncode == 1
-    assert "floeflow: results/smoke/state/0000.nc: " in done.stdout
+    said = [line for line in done.stdout.splitlines() if line.startswith("floeflow: ")]
+    assert len(said) == 1 and done.stdout.splitlines()[-1] == said[0], done.stdout
+    assert said[0].startswith("floeflow: results/smoke/state/0000.nc: ")
+    assert said[0].endswith("(log: results/smoke/log/windows/0003.log)")
     assert "Traceback" not in done.stdout
     assert state.read_bytes() == bytes(raw)

@@ -8,6 +8,7 @@ rule fields:
         start=start_of_run,
         elements="results/{scene}/elements/{chunk}.nc",
         mask=made("mask", "preprocess/mask.nc"),
+        forcing=user_forcing,
     output:
         fields="results/{scene}/fields/{chunk}.nc",
     log:

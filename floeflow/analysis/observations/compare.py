@@ -161,16 +161,19 @@ def add_buoys(run: FinishedRun, paths: Sequence[Path], into: Path, found: Findin
         places |= {
             f"{name} ({path.name})" if name in places else name: v for name, v in new.items()
         }
-    carriers = run.carriers()
+    tracks = list(places.values())
+    seen = np.flatnonzero(np.isfinite(np.stack(tracks)).any(axis=0))
+    carriers = run.carriers(int(seen[0]), int(seen[-1]))
     window = run.scene.time.window
     free = FreeIce(run).displacement if "wind" in run.scene.effects else None
-    tracks = list(places.values())
     errors = lead_errors(tracks, carriers, free, max(1, round(LONGEST / window)))
     drifts = window_drifts(tracks, carriers)
     found.cards += _drift_cards(errors, drifts, len(places), window)
-    found.drawings.append(
-        draw(into, "buoys", figures.BUOYS_CAPTION, figures.buoys_figure(errors, drifts, window))
-    )
+    growth, pairs = figures.buoys_figure(errors, window), figures.displacements_figure(drifts)
+    found.drawings += [
+        draw(into, "buoys", figures.BUOYS_CAPTION, growth),
+        draw(into, "displacements", figures.DISPLACEMENTS_CAPTION, pairs),
+    ]
     found.tables.append(_drift_table(errors, window))
     said = {"units": "m", "long_name": "root mean square distance to the buoys"}
     found.rows |= {

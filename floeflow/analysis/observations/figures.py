@@ -23,11 +23,13 @@ from floeflow.report.figures.series import (
 )
 from floeflow.report.figures.style import BLUE, FAINT, GREEN, INK, VERMILION, look, new_figure
 
+SIZE = (6.0, 3.3)
 BUOYS_CAPTION = (
-    "Left: root mean square distance of virtual buoys to the buoys against lead time, of the run, "
-    "of the displacement of the window before (persistence) and of free drift under the run's wind "
-    "and current. Right: displacements in single windows, run against buoy, both components."
+    "Root mean square distance of virtual buoys to the buoys against lead time: of the run, of the "
+    "displacement of the window before (persistence) and of free drift under the run's wind and "
+    "current."
 )
+DISPLACEMENTS_CAPTION = "Displacements in single windows, run against buoy, both components."
 EDGE_CAPTION = (
     "Integrated ice-edge error (Goessling et al. 2016): area where run and observation differ in "
     "whether there is at least 15 % of ice, with its parts, beside the first observation kept as "
@@ -37,34 +39,38 @@ THICKNESS_CAPTION = "Ice thickness of the run's cells against what was observed 
 RUNS_CAPTION = "Ice area, ice volume and mean net drift of the runs."
 
 
-def buoys_figure(errors: LeadErrors, drifts: Drifts, window: float) -> Figure:
-    """Errors against lead time, and displacements of run and buoy."""
+def buoys_figure(errors: LeadErrors, window: float) -> Figure:
+    """Errors against lead time."""
     unit, word = time_axis(float(errors.lead[-1]) * window)
     lead = errors.lead * window / unit
     with look():
-        figure = new_figure(10.0, 4.2)
-        growth, pairs = figure.subplots(1, 2)
+        figure = new_figure(*SIZE)
+        axes = figure.add_subplot()
         styles = ((BLUE, "o-"), (VERMILION, "s--"), (GREEN, "^:"))
         for method, values, (colour, mark) in zip(METHODS, errors.rms, styles, strict=True):
             name = method.replace("_", " ")
-            growth.plot(lead, values / 1e3, mark, color=colour, label=name, markersize=4)
-        tidy(growth, f"Lead time ({word})", "Distance to the buoy (km)")
-        growth.set_ylim(0)
-        growth.legend(fontsize=8.5)
-        for part, colour, mark in (("real", BLUE, "."), ("imag", VERMILION, "x")):
+            axes.plot(lead, values / 1e3, mark, color=colour, label=name, markersize=4)
+        tidy(axes, f"Lead time ({word})", "Distance to the buoy (km)")
+        axes.set_ylim(0)
+        axes.legend(fontsize=8.5)
+    return figure
+
+
+def displacements_figure(drifts: Drifts) -> Figure:
+    """Displacements of run and buoy."""
+    with look():
+        figure = new_figure(6.0, 5.4)
+        axes = figure.add_subplot()
+        for part, axis, colour, mark in (("real", "x", BLUE, "."), ("imag", "y", VERMILION, "x")):
             seen, ours = (getattr(each, part) / 1e3 for each in (drifts.observed, drifts.run))
-            axis = "x" if part == "real" else "y"
-            pairs.plot(
-                seen, ours, mark, color=colour, markersize=3, alpha=0.6, label=f"along {axis}"
-            )
-        most = 1.05 * float(
-            max(np.abs(each).max(initial=0.0) for each in (drifts.observed, drifts.run)) / 1e3
-            or 1.0
-        )
-        pairs.plot([-most, most], [-most, most], "-", color=FAINT, linewidth=0.8)
-        tidy(pairs, "Displacement of the buoy (km)", "Displacement of the run (km)")
-        pairs.set_aspect("equal")
-        pairs.legend(fontsize=8.5)
+            label = f"along {axis}"
+            axes.plot(seen, ours, mark, color=colour, markersize=3, alpha=0.6, label=label)
+        both = np.concatenate([drifts.observed, drifts.run])
+        most = 1.05 * float(np.abs(both).max(initial=0.0)) / 1e3 or 1.0
+        axes.plot([-most, most], [-most, most], "-", color=FAINT, linewidth=0.8)
+        tidy(axes, "Displacement of the buoy (km)", "Displacement of the run (km)")
+        axes.set_aspect("equal")
+        axes.legend(fontsize=8.5)
     return figure
 
 
@@ -75,7 +81,7 @@ def edge_figure(errors: EdgeErrors, start: datetime) -> Figure:
     scale, name = pick_unit(AREA_UNITS, errors.integrated, errors.persistence)
     mark = "o" if at.size < 40 else ""
     with look():
-        figure = new_figure(8.0, 4.0)
+        figure = new_figure(*SIZE)
         axes = figure.add_subplot()
         for values, label, colour, dash in (
             (errors.integrated, "run", INK, "-"),
@@ -115,7 +121,7 @@ def runs_figure(runs: Sequence[FinishedRun]) -> Figure:
         ("mean_displacement", "Mean net drift", ((1e3, "km"),)),
     )
     with look():
-        figure = new_figure(8.0, 7.0)
+        figure = new_figure(6.0, 6.0)
         panels = figure.subplots(3, 1, sharex=True)
         for axes, (name, text, units) in zip(panels, shown, strict=True):
             scale, said = pick_unit(units, *(each[name].values for each in data))

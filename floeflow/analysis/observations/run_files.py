@@ -59,23 +59,28 @@ class FinishedRun:
         """Series of the run."""
         return read_dataset(self.folder / "diagnostics.nc")
 
-    def frames(self) -> Iterator[Frame]:
-        """Elements at all boundaries, one after the other."""
-        yield frame_of(read_state(self.folder / f"state/{window_name(0)}.nc"))
+    def frames(self, first: int, last: int) -> Iterator[Frame]:
+        """Elements at the boundaries from one to another, one after the other."""
+        if first == 0:
+            yield frame_of(read_state(self.folder / f"state/{window_name(0)}.nc"))
         time = self.scene.time
-        names = window_chunks(time.windows, self.scene.workflow.windows_per_job)
-        for snapshot in read_snapshots(self.folder / f"elements/{name}.nc" for name in names):
-            yield frame_of(snapshot)
+        chunks = window_chunks(time.windows, self.scene.workflow.windows_per_job)
+        for name, windows in chunks.items():
+            if int(windows[-1]) < first or int(windows[0]) > last:
+                continue
+            for snapshot in read_snapshots([self.folder / f"elements/{name}.nc"]):
+                if first <= int(snapshot.attrs["window"]) <= last:
+                    yield frame_of(snapshot)
 
-    def carriers(self) -> list[Carrier | None]:
-        """Displacements of the ice in all windows."""
+    def carriers(self, first: int, last: int) -> list[Carrier | None]:
+        """Displacements of the ice in all windows; None before one boundary and after another."""
         remapped = remapped_windows(self.diagnostics)
-        found: list[Carrier | None] = []
+        found: list[Carrier | None] = [None] * self.scene.time.windows
         before: Frame | None = None
-        for frame in self.frames():
-            if before is not None:
+        for frame in self.frames(first, last):
+            if before is not None and before.id.size and frame.id.size:
                 make = velocity_carrier if frame.window in remapped else carrier
-                found.append(make(before, frame) if before.id.size and frame.id.size else None)
+                found[frame.window - 1] = make(before, frame)
             before = frame
         return found
 

@@ -34,6 +34,8 @@ DAY = 86400.0
 ONE, TWO = (6.0, 3.1), (6.0, 5.6)
 # Bins with more than this thickness (m) are not drawn one by one.
 THICKEST = 6.0
+# Fewer times are no series.
+LONG = 10
 SEASONS = {"all": (INK, "o", "-"), "winter": (BLUE, "s", "--"), "summer": (VERMILION, "^", ":")}
 
 
@@ -52,20 +54,28 @@ def analysis_figures(data: xr.Dataset, start: datetime) -> Iterator[Made]:
     tuple of str, str and Figure
         Name, caption, figure.
     """
-    makers: tuple[tuple[str, Callable[[xr.Dataset, datetime], Made]], ...] = (
-        ("thickness_area", _thickness),
-        ("extent", _edge),
+    # What is needed, and how much of it: a few points or samples are no figure.
+    makers: tuple[tuple[str, int, Callable[[xr.Dataset, datetime], Made]], ...] = (
+        ("thickness_area", 2, _thickness),
+        ("extent", LONG, _edge),
         # Tall ones stand beside tall ones in the page's two columns.
-        ("deformation_total", _deformation),
-        ("wind_drift_area", _wind),
-        ("scaling_exponent", _scaling),
-        ("rate_count", _rates),
-        ("lag", _lags),
+        ("deformation_total", 5, _deformation),
+        ("wind_drift_area", 1, _wind),
+        ("scaling_exponent", 1, _scaling),
+        ("rate_count", 1000, _rates),
+        ("velocity_correlation_along", 6, _lags),
     )
-    for needed, make in makers:
-        if needed in data.variables:
+    for needed, least, make in makers:
+        if needed in data.variables and _amount(data[needed]) >= least:
             yield make(data, start)
     yield from floe_figures(data)
+
+
+def _amount(values: xr.DataArray) -> float:
+    """Samples of a distribution, else points along the first dimension."""
+    if values.name == "rate_count":
+        return float(values[0].sum())
+    return float(np.isfinite(values.values.reshape(len(values), -1)).any(axis=1).sum())
 
 
 def tidy(axes: Axes, x: str, y: str) -> None:
@@ -74,6 +84,10 @@ def tidy(axes: Axes, x: str, y: str) -> None:
     axes.set_ylabel(y)
     axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
+    # Labels between the powers of ten cost more time than the rest of a figure.
+    for scale, name in ((axes.xaxis, axes.get_xscale()), (axes.yaxis, axes.get_yscale())):
+        if name == "log":
+            scale.set_minor_formatter(NullFormatter())
 
 
 def _time(data: xr.Dataset, name: str, start: datetime) -> tuple[Array, str]:
@@ -91,29 +105,32 @@ def _thickness(data: xr.Dataset, start: datetime) -> Made:
     shown = bounds[:, 1] <= THICKEST
     middle = 0.5 * (bounds[shown, 0] + bounds[shown, 1])
     with look():
-        figure = new_figure(*TWO)
-        lines, time = figure.subplots(2, 1)
+        long = at.size >= LONG
+        figure = new_figure(*(TWO if long else ONE))
+        lines, *rest = figure.subplots(2 if long else 1, 1, squeeze=False).ravel().tolist()
         for row, label, colour, dash in ((0, "start", FAINT, "--"), (-1, "end", BLUE, "-")):
             values = density[row][shown]
             lines.plot(middle, values, dash, color=colour, label=label, drawstyle="steps-mid")
         tidy(lines, "Ice thickness (m)", "Share of the ice area (1/m)")
         lines.set_ylim(0)
         lines.legend()
-        mesh = time.pcolormesh(
-            at,
-            middle,
-            np.where(density > 0, density, np.nan)[:, shown].T,
-            cmap=THICKNESS.cmap,
-            norm=LogNorm(0.003, max(1.0, float(density[:, shown].max(initial=0.0)))),
-            shading="nearest",
-            rasterized=True,
-        )
-        time.set_xlabel(axis)
-        time.set_ylabel("Ice thickness (m)")
-        figure.colorbar(mesh, ax=time, label="Share (1/m)", pad=0.01)
+        for time in rest:
+            mesh = time.pcolormesh(
+                at,
+                middle,
+                np.where(density > 0, density, np.nan)[:, shown].T,
+                cmap=THICKNESS.cmap,
+                norm=LogNorm(0.003, max(1.0, float(density[:, shown].max(initial=0.0)))),
+                shading="nearest",
+                rasterized=True,
+            )
+            time.set_xlabel(axis)
+            time.set_ylabel("Ice thickness (m)")
+            figure.colorbar(mesh, ax=time, label="Share (1/m)", pad=0.01)
     thick = float(area[-1, ~shown].sum() / area[-1].sum()) if area[-1].sum() > 0 else 0.0
     caption = (
-        "Distribution of ice thickness by area: at start and end, and at all window boundaries. "
+        "Distribution of ice thickness by area: at start and end"
+        f"{', and at all window boundaries' if long else ''}. "
         "Each category of each element counts with its mean thickness, so that dips mark the "
         "categories' bounds; "
         f"{100.0 * thick:.1f} % of the area at the end is thicker than {THICKEST:g} m."
@@ -283,7 +300,6 @@ def _scaling(data: xr.Dataset, start: datetime) -> Made:
         sizes.axvspan(low, high, color=FAINT, alpha=0.12, linewidth=0)
         sizes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         sizes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
-        sizes.xaxis.set_minor_formatter(NullFormatter())
         tidy(sizes, "Scale (km)", "Moment (per day)$^q$")
         sizes.legend(ncols=3, fontsize=8.5)
         for row, name in enumerate(seasons):

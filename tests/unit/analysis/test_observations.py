@@ -184,7 +184,7 @@ def test_the_report_finds_the_comparison(compared: tuple[Run, str]):
     titles = [table["title"] for table in digest["tables"]]
     assert titles == ["Drift error against lead time", "Runs side by side"]
     assert {drawing["name"] for drawing in digest["drawings"]} == {
-        *("buoys", "edge", "thickness", "runs")
+        *("buoys", "displacements", "edge", "thickness", "runs")
     }
 
 

@@ -110,7 +110,7 @@ def test_every_target_of_make_has_its_line_of_help() -> None:
     assert [line.split()[1] for line in run.stdout.splitlines()] == phony[1].split()
 
 
-LOCKS = ("requirements.lock", "requirements-cluster.lock")
+LOCKS = ("requirements.lock", "requirements-cluster.lock", "requirements-docs.lock")
 
 
 def pinned() -> dict[str, str]:
@@ -133,6 +133,7 @@ def direct() -> list[str]:
         "requirements-formats.in",
         "requirements-dev.in",
         "requirements-cluster.in",
+        "requirements-docs.in",
     )
     lines = [line for file in files for line in (ROOT / "setup" / file).read_text().splitlines()]
     return [line.lower() for line in lines if line and not line.startswith("#")]
@@ -151,3 +152,10 @@ def test_every_dependency_has_its_reason_and_licence() -> None:
     text = (ROOT / "docs/dependencies.md").read_text()
     rows = re.findall(r"^\| `([^`]+)` \| ([^|]{10,}) \| ([^|]{3,}) \|$", text, re.MULTILINE)
     assert sorted(name.lower() for name, _, _ in rows if "apt:" not in name) == sorted(direct())
+
+
+def test_the_site_lists_every_page_and_no_other() -> None:
+    nav = (ROOT / "mkdocs.yml").read_text().partition("\nnav:\n")[2]
+    listed = re.findall(r"[\w/-]+\.md", nav)
+    pages = [str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")]
+    assert sorted(listed) == sorted([*pages, "config.md"])
