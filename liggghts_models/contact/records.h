@@ -86,6 +86,9 @@ struct alignas(32) RidgeRow {
   double closing, thickness, length, limit;  // m, m, m; force at which it closes, N
 };
 
+// What a step moves: benchmarks/roofline.py counts with these.
+static_assert(sizeof(BondBlock) == 4 * 104 && sizeof(Ends) == 8 && sizeof(ContactRow) == 32);
+
 struct ContactRecords {
   std::vector<Ends> ends;
   std::vector<ContactRow> rows;
