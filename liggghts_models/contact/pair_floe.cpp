@@ -45,7 +45,7 @@ void choose_damping(double ratio, bool exact, Call call) {
 bool PairFloe::gather_bodies() {
   if (fix_->use_orientation) fix_->send_orientations();
   const int own = atom->nlocal, all = own + atom->nghost;
-  std::vector<Body> &bodies = fix_->bodies;
+  LongArray<Body> &bodies = fix_->bodies;
   const bool current = fix_->fused && static_cast<int>(bodies.size()) >= own && !stale_;
   bodies.resize(all);
   const double *const *x = atom->x, *const *v = atom->v, *const *omega = atom->omega;
@@ -60,7 +60,7 @@ bool PairFloe::gather_bodies() {
 
 void PairFloe::clear_loads(bool current) {
   const int own = atom->nlocal, all = own + atom->nghost;
-  std::vector<Load> &loads = fix_->loads;
+  LongArray<Load> &loads = fix_->loads;
   if (current && fix_->loads_cleared && !deterministic) {
     loads.resize(all);
     std::fill(loads.begin() + own, loads.end(), Load{});

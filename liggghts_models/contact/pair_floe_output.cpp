@@ -58,7 +58,7 @@ BondPose PairFloe::pose_of(int number) {
 void PairFloe::each_pair(const std::function<void(const PairState &)> &visit) {
   make_current();
   write_history();
-  const std::vector<Body> &bodies = fix_->bodies;
+  const LongArray<Body> &bodies = fix_->bodies;
   for (int k = 0; k < bonded_.count; ++k) {
     if (!bonded_.places[k].history) continue;
     const int lo = bonded_.block(k).lo[k & 3], hi = bonded_.block(k).hi[k & 3];
