@@ -9,9 +9,10 @@ MAKEFLAGS += --no-print-directory
 
 SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
+AGAINST ?=
 FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
-export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
+export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS AGAINST FUZZ_SECONDS
 
 .PHONY: help setup run year test test-slow test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies docs doctor test-fresh lock clean
 
@@ -69,8 +70,8 @@ lint: setup ## check style, types, formats and what is generated
 gallery: setup ## draw the packings of the example scenes and docs/gallery.md (minutes)
 	.venv/bin/python -m floeflow.analysis.gallery
 
-bench-dem: setup ## time the element model beside stock LIGGGHTS, on 1 and 2 ranks
-	.venv/bin/python benchmarks/dem.py
+bench-dem: setup ## time the element model beside stock LIGGGHTS and memory; AGAINST= a checkout of another version
+	.venv/bin/python benchmarks/dem.py $(if $(AGAINST),--against "$$AGAINST")
 
 bench-column: setup ## time the column's schemes, over threads and columns
 	.venv/bin/python benchmarks/column.py

@@ -143,10 +143,20 @@ class Own:
         """Elements in the order of their ids."""
         return self._engine.elements()
 
-    def pairs(self) -> int:
+    def pairs(self) -> tuple[int, int]:
         """Bonds and contacts."""
         sums = self._engine.diagnostics()
-        return round(sums["bonds"] + sums["contacts"])
+        return round(sums["bonds"]), round(sums["contacts"])
+
+    def read_out(self) -> None:
+        """All that a window hands over: elements, bonds and contacts."""
+        self._engine.elements()
+        self._engine.bonds()
+        self._engine.contacts()
+
+    def new_lists(self, every: bool) -> None:
+        """Neighbour lists at each step, or where they are due."""
+        self._engine._command(f"neigh_modify every 1 check {'no' if every else 'yes'}")
 
 
 class Stock:

@@ -10,6 +10,7 @@
 
 #include "bond.h"
 #include "contact.h"
+#include "large_pages.h"
 #include "ridge.h"
 
 namespace floe {
@@ -52,8 +53,8 @@ constexpr BondRest plain_rest{{}, {}, {1.0, 1.0, 1.0, 1.0}};
 
 struct BondRecords {
   int count = 0;
-  std::vector<BondBlock> blocks;
-  std::vector<BondRest> rests;
+  LongArray<BondBlock> blocks;
+  LongArray<BondRest> rests;
   std::vector<char> plain;    // of each block: all whole, all met by one rank
   std::vector<Place> places;  // history is null where the bond has broken
 
@@ -86,11 +87,14 @@ struct alignas(32) RidgeRow {
   double closing, thickness, length, limit;  // m, m, m; force at which it closes, N
 };
 
+// What a step moves: benchmarks/roofline.py counts with these.
+static_assert(sizeof(BondBlock) == 4 * 104 && sizeof(Ends) == 8 && sizeof(ContactRow) == 32);
+
 struct ContactRecords {
-  std::vector<Ends> ends;
-  std::vector<ContactRow> rows;
-  std::vector<RidgeRow> ridges;  // with ridging only, as the next
-  std::vector<double> covers;    // share of ice between the centres
+  LongArray<Ends> ends;
+  LongArray<ContactRow> rows;
+  LongArray<RidgeRow> ridges;  // with ridging only, as the next
+  LongArray<double> covers;    // share of ice between the centres
   std::vector<Place> places;
 
   void clear();

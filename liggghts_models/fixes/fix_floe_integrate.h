@@ -17,6 +17,7 @@
 #include "drag.h"
 #include "fix.h"
 #include "forcing.h"
+#include "large_pages.h"
 #include "ledger.h"
 #include "seabed.h"
 
@@ -80,8 +81,8 @@ class FixFloeIntegrate : public Fix {
   // What the pair style reads and adds up, of elements and ghosts: valid from one evaluation of the
   // pairs to the next, in LIGGGHTS' order. The parts that damping has in the loads are there with
   // exact_losses only.
-  std::vector<floe::Body> bodies;
-  std::vector<floe::Load> loads, damped_bond, damped_contact;
+  floe::LongArray<floe::Body> bodies;
+  floe::LongArray<floe::Load> loads, damped_bond, damped_contact;
   bool loads_cleared;     // those of this rank's own elements, by the integrator
   floe::PairFloe *pairs;  // null with another pair style
   // Asked for with the keyword `fused` and nothing else sees forces or moves elements: the integrator
