@@ -41,7 +41,7 @@ setup-cluster: setup ## install Snakemake's plugins for clusters (docs/how-to/cl
 
 test-cluster: setup ## run the workflow on a private Slurm, which this installs where it may
 	@setup/cluster.sh --slurm
-	.venv/bin/python -m pytest -m cluster tests/cluster
+	.venv/bin/python -m pytest -rs -m cluster tests/cluster
 
 slurm-demo: setup ## run `smoke` through both cluster profiles on a private Slurm (as root)
 	@setup/cluster.sh --slurm
