@@ -109,31 +109,31 @@ def busiest(table: np.ndarray, box: Edges, cuts: list[np.ndarray], halo: float) 
         Along x and y (m).
     """
 
-    def between(rim: float) -> np.ndarray:
-        low, high = (
-            [
-                np.rint((each[part] + sign * rim - start) / (end - start) * CELLS)
-                .clip(0, CELLS)
-                .astype(int)
-                for each, (start, end) in zip(cuts, box, strict=True)
-            ]
-            for sign, part in ((-1, slice(0, -1)), (1, slice(1, None)))
+    def within(rim: float) -> np.ndarray:
+        (left, right), (low, high) = (
+            cells_between(each, edges, rim) for each, edges in zip(cuts, box, strict=True)
         )
-        sums = (
-            table[np.ix_(rows, columns)]
-            for rows in (high[0], low[0])
-            for columns in (high[1], low[1])
-        )
-        both, above, right, neither = sums
-        return both - above - right + neither
+        upper, lower = (table[np.ix_(right, y)] - table[np.ix_(left, y)] for y in (high, low))
+        return np.asarray(upper - lower)
 
-    own = between(0.0)
-    return float((own + GHOST_WORK * (between(halo) - own)).max())
+    own = within(0.0)
+    return float((own + GHOST_WORK * (within(halo) - own)).max())
+
+
+def cells_between(
+    cuts: np.ndarray, edges: tuple[float, float], rim: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """First cell of each part along an axis, its rim included, and the one behind its last."""
+    low, high = edges
+    ends = np.array([cuts[:-1] - rim, cuts[1:] + rim])
+    first, last = np.rint((ends - low) / (high - low) * CELLS).clip(0, CELLS).astype(int)
+    return first, last
 
 
 def work_table(places: list[np.ndarray], work: np.ndarray, box: Edges) -> np.ndarray:
     """Work to the lower left of each corner of a grid of `CELLS` by `CELLS` cells over the box."""
-    cells, _, _ = np.histogram2d(*places, CELLS, range=box, weights=work)
+    x, y = places
+    cells, _, _ = np.histogram2d(x, y, CELLS, range=[list(edges) for edges in box], weights=work)
     table = np.zeros((CELLS + 1, CELLS + 1))
     table[1:, 1:] = cells.cumsum(axis=0).cumsum(axis=1)
     return table
