@@ -13,7 +13,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
 
-.PHONY: help setup run year test test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
+.PHONY: help setup run year test test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench-scaling bench-year bench studies doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -58,7 +58,7 @@ stability: setup ## run the hard cases at length: results/stability/stability.ht
 
 fuzz: setup ## fuzz the reader of states for FUZZ_SECONDS=300, what breaks it lands in results/fuzz
 	@for target in bytes fields; do .venv/bin/python tests/stability/fuzz_state.py $$target \
-	    results/fuzz -max_total_time=$$(( $(FUZZ_SECONDS) / 2 )) -timeout=60; done
+	    results/fuzz -max_total_time="$$(( FUZZ_SECONDS / 2 ))" -timeout=60; done
 
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh
@@ -82,10 +82,13 @@ bench-packing: setup ## time packings of up to a million elements beside one Del
 bench-plan: setup ## compare plans with held-out scenes
 	.venv/bin/python benchmarks/plan.py
 
-bench-year: setup ## run the Arctic year on RANKS= (2) and print it beside published figures
-	.venv/bin/python benchmarks/year.py --ranks $${RANKS:-2}
+bench-scaling: setup ## time the element model over ranks, and draw what many cores would give
+	.venv/bin/python benchmarks/scaling.py
 
-bench: bench-dem bench-column bench-remap bench-packing bench-plan ## all benchmarks, and a table of accuracy against cost
+bench-year: setup ## run the Arctic year on RANKS= (2) and print it beside published figures
+	.venv/bin/python benchmarks/year.py --ranks "$${RANKS:-2}"
+
+bench: bench-dem bench-scaling bench-column bench-remap bench-packing bench-plan ## all benchmarks, and a table of accuracy against cost
 	.venv/bin/python benchmarks/collect.py
 
 studies: setup ## ablation and accuracy of the example scenes, and docs/studies.md (an hour)
