@@ -79,7 +79,8 @@ def test_ranks_of_slurm_s_own_plugin_lie_on_two_nodes(smoke: Done, undone):
 def test_a_job_over_its_time_comes_again_with_more(smoke: Done, undone, gate: Gate):
     cluster = undone()
     limit = ["--set-resources", "windows:runtime=1+9*(attempt-1)"]
-    run = cluster.start(SBATCH, smoke.scene, TARGET, limit, gate.launcher)
+    # It hangs as if the file system did, however fast it came so far.
+    run = cluster.start(SBATCH, smoke.scene, TARGET, limit, gate.hanging)
     read_until(run, AGAIN)
     gate.open()
     said = drain(run)

@@ -3,7 +3,8 @@
 
 ``FLOEFLOW_MPI="python held_ranks.py FOLDER"`` starts them by srun, as the profile does without it.
 They run as ever up to their second window: there the first one writes its process and job into the
-pipe of the gate, and all wait until the test lets go of the gate's lock, or dies.
+pipe of the gate, and all wait until the test lets go of the gate's lock, or dies. With ``hang`` in
+front of the folder no rank starts before that.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 HELD = 2
-PIPE, LOCK = "arrived", "lock"
+PIPE, LOCK, HANG = "arrived", "lock", "hang"
 # Only a test that fails waits so long.
 PATIENCE = 300.0  # s
 
@@ -31,7 +32,8 @@ class Gate:
         self._pipe = os.open(folder / PIPE, os.O_RDWR)
         self._lock = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT)
         fcntl.flock(self._lock, fcntl.LOCK_EX)
-        self.launcher = f"{sys.executable} {Path(__file__).resolve()} {folder}"
+        program = f"{sys.executable} {Path(__file__).resolve()}"
+        self.launcher, self.hanging = f"{program} {folder}", f"{program} {HANG} {folder}"
 
     def arrived(self) -> tuple[int, int]:
         """Process of the first rank and number of its job in Slurm, once it is there."""
@@ -60,6 +62,12 @@ def _readable(handle: int) -> bool:
     return bool(poll.poll(1000.0 * PATIENCE))
 
 
+def wait_at(folder: Path) -> None:
+    """Wait until the gate is open."""
+    with open(folder / LOCK) as lock:
+        fcntl.flock(lock, fcntl.LOCK_SH)
+
+
 def launch(folder: str, ranks: str) -> None:
     """Become the srun of these ranks."""
     words = ["srun", "--mpi=pmix", "-n", ranks, sys.executable, __file__, folder]
@@ -76,8 +84,7 @@ def run_rank(folder: Path) -> None:
         if function is windows.window_forcing and given[1] == HELD:
             if comm.rank == 0:
                 (folder / PIPE).write_text(f"{os.getpid()} {os.environ['SLURM_JOB_ID']}\n")
-            with open(folder / LOCK) as lock:
-                fcntl.flock(lock, fcntl.LOCK_SH)
+            wait_at(folder)
         return on_root(comm, function, *given)
 
     windows.on_root = held
@@ -85,7 +92,10 @@ def run_rank(folder: Path) -> None:
 
 
 def main(words: Sequence[str]) -> None:
-    """``FOLDER -n RANKS PROGRAM...`` launches, ``FOLDER`` alone is a rank."""
+    """``[hang] FOLDER -n RANKS PROGRAM...`` launches, ``FOLDER`` alone is a rank."""
+    if words[0] == HANG:
+        words = words[1:]
+        wait_at(Path(words[0]))
     if len(words) > 1:
         launch(words[0], words[2])
     else:
