@@ -91,8 +91,10 @@ def level_cuts(
     """Cuts along an axis with the same work between any two of them, edges first and last."""
     order = np.argsort(place, kind="stable")
     done = np.cumsum(work[order])
-    inner = np.searchsorted(done, done[-1] * np.arange(1, parts) / parts)
-    cuts = place[order][inner]
+    last = np.searchsorted(done, done[-1] * np.arange(1, parts) / parts)
+    # Between two elements, so that none lies on a cut.
+    sorted_places = place[order]
+    cuts = 0.5 * (sorted_places[last] + sorted_places[np.minimum(last + 1, len(place) - 1)])
     return np.array([edges[0], *cuts, edges[1]])
 
 
