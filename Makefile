@@ -14,7 +14,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS AGAINST FUZZ_SECONDS
 
-.PHONY: help setup run year test test-slow test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies docs doctor test-fresh lock clean
+.PHONY: help setup run year test test-slow test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-scaling bench-year bench studies docs doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -45,7 +45,7 @@ setup-cluster: setup ## install Snakemake's plugins for clusters (docs/how-to/cl
 
 test-cluster: setup ## run the workflow on a private Slurm, which this installs where it may
 	@setup/cluster.sh --slurm
-	.venv/bin/python -m pytest -m cluster tests/cluster
+	.venv/bin/python -m pytest -rs -m cluster tests/cluster
 
 slurm-demo: setup ## run `smoke` through both cluster profiles on a private Slurm (as root)
 	@setup/cluster.sh --slurm
@@ -62,7 +62,7 @@ stability: setup ## run the hard cases at length: results/stability/stability.ht
 
 fuzz: setup ## fuzz the reader of states for FUZZ_SECONDS=300, what breaks it lands in results/fuzz
 	@for target in bytes fields; do .venv/bin/python tests/stability/fuzz_state.py $$target \
-	    results/fuzz -max_total_time=$$(( $(FUZZ_SECONDS) / 2 )) -timeout=60; done
+	    results/fuzz -max_total_time="$$(( FUZZ_SECONDS / 2 ))" -timeout=60; done
 
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh
@@ -86,10 +86,13 @@ bench-packing: setup ## time packings of up to a million elements beside one Del
 bench-plan: setup ## compare plans with held-out scenes
 	.venv/bin/python benchmarks/plan.py
 
-bench-year: setup ## run the Arctic year on RANKS= (2) and print it beside published figures
-	.venv/bin/python benchmarks/year.py --ranks $${RANKS:-2}
+bench-scaling: setup ## time the element model over ranks, and draw what many cores would give
+	.venv/bin/python benchmarks/scaling.py
 
-bench: bench-dem bench-column bench-remap bench-packing bench-plan ## all benchmarks, and a table of accuracy against cost
+bench-year: setup ## run the Arctic year on RANKS= (2) and print it beside published figures
+	.venv/bin/python benchmarks/year.py --ranks "$${RANKS:-2}"
+
+bench: bench-dem bench-scaling bench-column bench-remap bench-packing bench-plan ## all benchmarks, and a table of accuracy against cost
 	.venv/bin/python benchmarks/collect.py
 
 studies: setup ## ablation and accuracy of the example scenes, and docs/studies.md (an hour)

@@ -21,7 +21,7 @@ from floeflow.core.errors import FloeError
 from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.dynamics.engine.params import Forcing
 from floeflow.dynamics.engine.plugin import load_plugin, open_liggghts
-from floeflow.dynamics.engine.setup import PLANE
+from floeflow.dynamics.engine.setup import EVEN, PLANE
 from floeflow.state.bonds import Arrays, new_bonds
 
 RADIUS, THICKNESS, DENSITY = 1000.0, 1.0, 917.0  # m, m, kg/m3
@@ -248,6 +248,7 @@ def _stock_commands(data: Path, elements: Arrays) -> list[str]:
     }
     return [
         *PLANE,
+        EVEN,
         f"read_data {data}",
         f"neighbor {SKIN!r} bin",
         "neigh_modify delay 0 every 1 check yes",

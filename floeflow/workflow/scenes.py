@@ -42,6 +42,7 @@ from floeflow.workflow.input_guard import check_inputs
 from floeflow.workflow.library import made_with
 from floeflow.workflow.manifest import write_manifest
 from floeflow.workflow.partitions import partition_minutes, within
+from floeflow.workflow.ranks import check_ranks
 
 DEFAULT_SCENE = "config/scenes/arctic_1981.yaml"
 SHIPPED = Path("config/scenes")
@@ -127,6 +128,8 @@ class Scenes:
             self._path = Path(str(config.setdefault("scene", DEFAULT_SCENE)))
             self.default = self._default_name()
             self.run(self.default)
+            if self._main and not looking:
+                check_ranks(getattr(workflow, "resource_settings", None))
 
     @property
     def plugin(self) -> str:

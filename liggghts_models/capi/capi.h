@@ -20,6 +20,9 @@ const char *floe_layout(void);
 int floe_open(int argc, char **argv, void *comm, void **instance);  // comm: pointer to an MPI_Comm
 int floe_close(void *instance);
 int floe_command(void *instance, const char *line);
+// Columns and rows of the grid of ranks, as shares of the box: 0 first, 1 last, one more than the
+// command `processors` made of each. Before elements are created (local).
+int floe_divide(void *instance, const double *x, const double *y);
 int floe_set_start_time(void *instance, double seconds);  // local
 
 // Elements. columns: x y theta u v omega radius mass thickness ice_area cover ridged_area, and the

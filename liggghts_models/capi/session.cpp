@@ -3,11 +3,14 @@
 // C interface: opening, commands, errors, forcing, sums.
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 #include <vector>
 
 #include "capi.h"
+#include "comm.h"
+#include "domain.h"
 #include "error.h"
 #include "fix_floe_integrate.h"
 #include "input.h"
@@ -60,6 +63,16 @@ int floe_close(void *instance) {
 
 int floe_command(void *instance, const char *line) {
   return floe::guarded([&] { lmp_of(instance)->input->one(line); });
+}
+
+int floe_divide(void *instance, const double *x, const double *y) {
+  return floe::guarded([&] {
+    Comm *comm = lmp_of(instance)->comm;
+    comm->uniform = 0;
+    std::copy(x, x + comm->procgrid[0] + 1, comm->xsplit);
+    std::copy(y, y + comm->procgrid[1] + 1, comm->ysplit);
+    lmp_of(instance)->domain->set_local_box();
+  });
 }
 
 int floe_set_start_time(void *instance, double seconds) {

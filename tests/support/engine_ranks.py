@@ -35,6 +35,11 @@ def main(out: Path, steps: int, kind: str, start: Path | None) -> None:
         raft["u"] = 40.0 * (1.0 + 1e-3 * raft["id"])
         raft["type"][:] = 1
         state[1] = {name: values[:0] for name, values in table.items()}
+    if kind == "lopsided":  # the raft fills a small part of the box
+        raft = {name: np.append(values, values[-1:]) for name, values in raft.items()}
+        raft["id"][-1] = len(raft["id"])
+        raft["x"][-1] += 200_000.0
+        state[0] = raft
     switches = dict.fromkeys(("bonds", "wind", "ocean_drag", "coriolis", "tilt"), True)
     if kind == "adrift":
         switches = {}

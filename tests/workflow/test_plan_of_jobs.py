@@ -7,6 +7,7 @@ import json
 import re
 import subprocess
 from graphlib import TopologicalSorter
+from pathlib import Path
 
 import pytest
 import yaml
@@ -121,6 +122,16 @@ rule mine:
     done = subprocess.run(command, check=False, cwd=place.folder.parent, **STREAMS)
     assert done.returncode == 0, done.stdout
     assert int((place.folder / "mine.txt").read_text().split()[0]) > 1000
+
+
+def test_the_scene_of_the_workflow_catalog_is_planned(place: Place):
+    command = place.command(Path("unused"), 2, "-n")
+    at = command.index("--config")
+    command[at : at + 2] = ["--configfile", str(PROJECT / ".test/config/config.yaml")]
+    done = subprocess.run(command, check=False, **STREAMS)
+    assert done.returncode == 0 and "results/smoke/report.html" in done.stdout, done.stdout
+    usage = yaml.safe_load((PROJECT / ".snakemake-workflow-catalog.yml").read_text())["usage"]
+    assert usage["mandatory-flags"]["flags"].startswith("--config scene=config/scenes/smoke.yaml")
 
 
 def test_a_plugin_may_be_named(place: Place, monkeypatch: pytest.MonkeyPatch):

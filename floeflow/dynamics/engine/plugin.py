@@ -43,6 +43,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     ),
     "floe_close": (_DONE, [ctypes.c_void_p]),
     "floe_command": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p]),
+    "floe_divide": (ctypes.c_int, [ctypes.c_void_p, _NUMBERS, _NUMBERS]),
     "floe_set_start_time": (_DONE, [ctypes.c_void_p, ctypes.c_double]),
     "floe_create_elements": (
         ctypes.c_int,
