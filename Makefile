@@ -9,11 +9,12 @@ MAKEFLAGS += --no-print-directory
 
 SCENE ?= config/scenes/arctic_1981.yaml
 RANKS ?=
+AGAINST ?=
 FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
-export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS FUZZ_SECONDS
+export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS AGAINST FUZZ_SECONDS
 
-.PHONY: help setup run year test test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench-year bench studies doctor test-fresh lock clean
+.PHONY: help setup run year test test-slow test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-scaling bench-year bench studies docs doctor test-fresh lock clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18
@@ -29,8 +30,11 @@ year: ## run the Arctic for a year with every effect, and print where its report
 	@$(MAKE) run SCENE=config/scenes/arctic_year.yaml
 
 test: setup lint ## set up, then run lint and every test but the slow ones
-	ctest --test-dir build/liggghts_models --output-on-failure
+	ctest --test-dir build/liggghts_models --output-on-failure --parallel 2
 	@setup/test.sh
+
+test-slow: setup ## the tests that take minutes and belong to neither verification nor stability
+	.venv/bin/python -m pytest -m "slow and not verification and not stability" tests
 
 test-browser: setup ## open a report in Chromium: quiet, offline, moved by keys; screenshots in results/browser
 	@setup/browser.sh
@@ -41,14 +45,14 @@ setup-cluster: setup ## install Snakemake's plugins for clusters (docs/how-to/cl
 
 test-cluster: setup ## run the workflow on a private Slurm, which this installs where it may
 	@setup/cluster.sh --slurm
-	.venv/bin/python -m pytest -m cluster tests/cluster
+	.venv/bin/python -m pytest -rs -m cluster tests/cluster
 
 slurm-demo: setup ## run `smoke` through both cluster profiles on a private Slurm (as root)
 	@setup/cluster.sh --slurm
 	@setup/slurm_demo.sh
 
 verification: setup ## compare with theory and references at length, draw docs/images/verification
-	.venv/bin/python -m pytest -m verification --figures tests/verification
+	.venv/bin/python -m pytest -m verification --references --figures tests/verification
 
 stability: setup ## run the hard cases at length: results/stability/stability.html, docs/hard_cases.md
 	.venv/bin/python -m pytest -q -m stability --figures \
@@ -58,7 +62,7 @@ stability: setup ## run the hard cases at length: results/stability/stability.ht
 
 fuzz: setup ## fuzz the reader of states for FUZZ_SECONDS=300, what breaks it lands in results/fuzz
 	@for target in bytes fields; do .venv/bin/python tests/stability/fuzz_state.py $$target \
-	    results/fuzz -max_total_time=$$(( $(FUZZ_SECONDS) / 2 )) -timeout=60; done
+	    results/fuzz -max_total_time="$$(( FUZZ_SECONDS / 2 ))" -timeout=60; done
 
 lint: setup ## check style, types, formats and what is generated
 	@setup/lint.sh
@@ -66,8 +70,8 @@ lint: setup ## check style, types, formats and what is generated
 gallery: setup ## draw the packings of the example scenes and docs/gallery.md (minutes)
 	.venv/bin/python -m floeflow.analysis.gallery
 
-bench-dem: setup ## time the element model beside stock LIGGGHTS, on 1 and 2 ranks
-	.venv/bin/python benchmarks/dem.py
+bench-dem: setup ## time the element model beside stock LIGGGHTS and memory; AGAINST= a checkout of another version
+	.venv/bin/python benchmarks/dem.py $(if $(AGAINST),--against "$$AGAINST")
 
 bench-column: setup ## time the column's schemes, over threads and columns
 	.venv/bin/python benchmarks/column.py
@@ -82,10 +86,13 @@ bench-packing: setup ## time packings of up to a million elements beside one Del
 bench-plan: setup ## compare plans with held-out scenes
 	.venv/bin/python benchmarks/plan.py
 
-bench-year: setup ## run the Arctic year on RANKS= (2) and print it beside published figures
-	.venv/bin/python benchmarks/year.py --ranks $${RANKS:-2}
+bench-scaling: setup ## time the element model over ranks, and draw what many cores would give
+	.venv/bin/python benchmarks/scaling.py
 
-bench: bench-dem bench-column bench-remap bench-packing bench-plan ## all benchmarks, and a table of accuracy against cost
+bench-year: setup ## run the Arctic year on RANKS= (2) and print it beside published figures
+	.venv/bin/python benchmarks/year.py --ranks "$${RANKS:-2}"
+
+bench: bench-dem bench-scaling bench-column bench-remap bench-packing bench-plan ## all benchmarks, and a table of accuracy against cost
 	.venv/bin/python benchmarks/collect.py
 
 studies: setup ## ablation and accuracy of the example scenes, and docs/studies.md (an hour)
@@ -97,6 +104,9 @@ studies: setup ## ablation and accuracy of the example scenes, and docs/studies.
 	.venv/bin/floeflow plan --refit
 	.venv/bin/python -m floeflow.analysis.studies.document
 
+docs: setup ## build the site of the documentation in build/site; any warning fails
+	@setup/docs.sh
+
 doctor: ## say what is there and what is missing, and try a probe of the plugin
 	@setup/doctor.sh
 
@@ -105,6 +115,9 @@ test-fresh: ## prove `make run` and `make test` in a bare Debian 12 (as root, 3 
 
 lock: ## pin the dependencies anew in setup/requirements.lock
 	@setup/lock.sh
+
+tag: ## tag the last commit as the version in floeflow/__init__.py, if CHANGELOG.md has it
+	@setup/tag.sh
 
 clean: ## remove what was built (results and .venv stay)
 	rm -rf build floeflow.egg-info

@@ -4,9 +4,14 @@
 .venv/bin/snakemake --profile workflows/profiles/local --config scene=config/scenes/smoke.yaml
 """
 
+from snakemake.logging import logger
 from snakemake.utils import min_version
 
+from floeflow.workflow.terminal import one_line_an_event
+
 min_version("9.0")
+# Where the output is no terminal, as in a log, one line an event.
+one_line_an_event(logger)
 
 
 include: "workflows/rules/common.smk"
@@ -33,3 +38,7 @@ rule all:
 
 onsuccess:
     print(SCENES.closing_line())
+
+
+onerror:
+    SCENES.say_faults()

@@ -12,14 +12,16 @@ import ctypes
 import math
 import os
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from mpi4py import MPI
 
 from floeflow.core.errors import FloeError
 from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.params import Forcing
 from floeflow.dynamics.engine.plugin import load_plugin, open_liggghts
-from floeflow.dynamics.engine.setup import PLANE
+from floeflow.dynamics.engine.setup import EVEN, PLANE
 from floeflow.state.bonds import Arrays, new_bonds
 
 RADIUS, THICKNESS, DENSITY = 1000.0, 1.0, 917.0  # m, m, kg/m3
@@ -32,6 +34,8 @@ STEP, SKIN = 0.2, 100.0  # s, m
 STRENGTH = 1.0e7  # Pa
 # Bonded ice is deformed more slowly: it stays whole.
 BONDED_RATE = 0.02
+# Cells of the forcing (m): most discs meet a line of its nodes.
+FORCING_SPACING = 2500.0
 
 
 def raft(columns: int, rows: int, rate: float = 1.0) -> Arrays:
@@ -84,8 +88,24 @@ def lattice_bonds(columns: int, elements: Arrays) -> Arrays:
     return new_bonds(elements, a + 1, b + 1, *ends, np.full(len(a), THICKNESS))
 
 
+def breeze(elements: Arrays, over_discs: bool) -> Forcing:
+    """A wind that turns over still water, under a whole raft."""
+    axes = [
+        np.arange(elements[k].min() - RADIUS, elements[k].max() + FORCING_SPACING, FORCING_SPACING)
+        for k in ("x", "y")
+    ]
+    x, y = np.meshgrid(*(axis / 1e4 for axis in axes))
+    still = np.zeros((1, *x.shape))
+    fields = {"wind_u": still + np.sin(y), "wind_v": still + np.cos(x)}
+    fields |= {"ocean_u": still, "ocean_v": still}
+    return Forcing(np.zeros(1), *axes, fields, over_discs)
+
+
 class Own:
-    """FloeFlow's engine with a raft. A context manager, as `Stock`."""
+    """FloeFlow's engine with a raft, driven or not. A context manager, as `Stock`.
+
+    ``driven`` gives it wind and water, at the centres of its discs or as means over them.
+    """
 
     def __init__(
         self,
@@ -94,17 +114,22 @@ class Own:
         folder: Path,
         bonds: bool,
         friction: bool,
+        driven: Literal["", "centre", "cell"] = "",
         **more: bool,
     ) -> None:
         self._elements = raft(*size, rate=BONDED_RATE if bonds else 1.0)
         self._bonds = lattice_bonds(size[0], self._elements) if bonds else None
+        more |= dict.fromkeys(("wind", "ocean_drag"), bool(driven))
         params = EngineParams(
             STEP, bonds=bonds, friction=friction, skin=SKIN, compressive_strength=STRENGTH, **more
         )
         self._engine = Engine(comm, params, folder / "log.own")
+        self._forcing = breeze(self._elements, driven == "cell") if driven else None
 
     def __enter__(self) -> Own:
         self._engine.load(self._elements, self._bonds)
+        if self._forcing is not None:
+            self._engine.set_forcing(self._forcing)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -118,10 +143,20 @@ class Own:
         """Elements in the order of their ids."""
         return self._engine.elements()
 
-    def pairs(self) -> int:
+    def pairs(self) -> tuple[int, int]:
         """Bonds and contacts."""
         sums = self._engine.diagnostics()
-        return round(sums["bonds"] + sums["contacts"])
+        return round(sums["bonds"]), round(sums["contacts"])
+
+    def read_out(self) -> None:
+        """All that a window hands over: elements, bonds and contacts."""
+        self._engine.elements()
+        self._engine.bonds()
+        self._engine.contacts()
+
+    def new_lists(self, every: bool) -> None:
+        """Neighbour lists at each step, or where they are due."""
+        self._engine._command(f"neigh_modify every 1 check {'no' if every else 'yes'}")
 
 
 class Stock:
@@ -213,6 +248,7 @@ def _stock_commands(data: Path, elements: Arrays) -> list[str]:
     }
     return [
         *PLANE,
+        EVEN,
         f"read_data {data}",
         f"neighbor {SKIN!r} bin",
         "neigh_modify delay 0 every 1 check yes",

@@ -49,13 +49,14 @@ def run(scene: Path, ranks: int) -> float:
 
 
 def chunks(folder: Path) -> list[xr.Dataset]:
-    """All files of a folder of a run, in order."""
-    return [read_dataset(path) for path in sorted(folder.glob("*.nc"))]
+    """All files of a folder of a run, in order, with their times decoded."""
+    return [xr.decode_cf(read_dataset(path)) for path in sorted(folder.glob("*.nc"))]
 
 
 def physics(scene: Scene, folder: Path) -> list[tuple[str, str, str]]:
     """Rows of the table: what, in this run, published."""
-    found = season.cycle(read_dataset(folder / "grid.nc"))
+    with xr.open_dataset(folder / "grid.nc") as grid:
+        found = season.cycle(grid)
     series = chunks(folder / "series")
     days = sum(chunk.sizes["window"] for chunk in series) * scene.time.window / season.DAY
     per_year = 365.0 / days
@@ -121,7 +122,7 @@ def show(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
 
 def draw(folder: Path, path: Path) -> None:
     """Thickness in March and September, and the months of extent and volume."""
-    grid = read_dataset(folder / "grid.nc")
+    grid = xr.open_dataset(folder / "grid.nc").load()
     found = season.cycle(grid)
     months = grid["time"].dt.month.values
     figure, axes = plt.subplots(1, 3, figsize=(13.0, 4.2), layout="constrained")
@@ -172,7 +173,7 @@ def main() -> None:
     told = {"scene": scene.name, "ranks": chosen.ranks, "seasons": seasons, "seconds_a_day": spent}
     out = RESULTS / "benchmarks" / "year.json"
     out.parent.mkdir(parents=True, exist_ok=True)
-    write_text(out, json.dumps(told, indent=1))
+    write_text(json.dumps(told, indent=1) + "\n", out)
     if chosen.figure:
         draw(folder, chosen.figure)
     if np.any([row[1] == "not reached" for row in seasons]):

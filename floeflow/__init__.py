@@ -4,6 +4,7 @@
 docs/architecture.md has its layers, from ``core`` up to ``cli``.
 """
 
+# The only place of the version: the package, states, hashes and `make tag` read it here.
 __version__ = "0.1.0"
 
 # xarray's search for engines loads eccodes, which brings a PROJ of its own. Where that one is there

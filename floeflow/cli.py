@@ -29,7 +29,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-SceneFile = Annotated[Path, typer.Argument(help="A scene file.")]
+SceneFile = Annotated[Path, typer.Argument(help="Path of the scene file (YAML).")]
 # Commands with many options of their own parse them themselves, help included.
 OWN_OPTIONS = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 
@@ -41,9 +41,11 @@ def _end(command: Callable[[], object]) -> None:
 @app.command()
 def run(
     scene: SceneFile,
-    cores: Annotated[int, typer.Option(help="Cores of this machine to use; 0: all.")] = 0,
+    cores: Annotated[
+        int, typer.Option(help="Number of cores to use; 0: those of the profile.")
+    ] = 0,
 ) -> None:
-    """Run a scene on this machine up to its report, through Snakemake."""
+    """Run a scene on this machine with Snakemake and write its report."""
     _end(partial(_run, scene, cores))
 
 
@@ -63,10 +65,10 @@ def _run(scene: Path, cores: int) -> str:
 def check(
     scene: SceneFile,
     plot: Annotated[
-        Path | None, typer.Option(help="Also draw small maps of all inputs to this PNG file.")
+        Path | None, typer.Option(help="Also draw maps of all inputs to this PNG file.")
     ] = None,
 ) -> None:
-    """Validate a scene and its input files: its effects, and what was found for each quantity."""
+    """Validate a scene and its input files; list its effects and the source of each quantity."""
     _end(partial(_check, scene, plot))
 
 
@@ -83,44 +85,75 @@ def _check(path: Path, plot: Path | None) -> str:
 @app.command()
 def effects(
     scene: SceneFile,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
-    """Estimate what each effect would change and cost, and recommend effects."""
+    """Estimate what each effect changes (%) and costs (% of run time); recommend effects."""
     logging.disable(logging.WARNING)
     _end(partial(tell, scene, as_json))
 
 
 @app.command(context_settings=OWN_OPTIONS)
 def plan(context: typer.Context) -> None:
-    """Propose settings for a wanted error or for a budget of time (--help)."""
+    """Propose numerical settings for a wanted error or run time (options: plan --help)."""
     raise typer.Exit(plan_command.main(context.args))
 
 
 @app.command(context_settings=OWN_OPTIONS)
 def column(context: typer.Context) -> None:
-    """Run one column of sea ice without elements (--help)."""
+    """Run a single column of sea ice without elements (options: column --help)."""
     raise typer.Exit(column_command.main(context.args))
 
 
 @app.command()
 def report(
-    folder: Annotated[Path, typer.Argument(help="results/<scene> of a run, ended or not.")],
+    folder: Annotated[
+        Path, typer.Argument(help="Folder results/<scene> of a run, finished or not.")
+    ],
 ) -> None:
-    """Report what a run has left so far, also while it goes on."""
+    """Write a report of the finished windows of a run, also while it is running."""
     _end(partial(report_so_far, folder))
 
 
 @app.command()
-def docs(
-    write: Annotated[bool, typer.Option(help="Write them; without, only compare.")] = False,
+def compare(
+    folder: Annotated[Path, typer.Argument(help="results/<scene> of a run that has ended.")],
+    buoys: Annotated[
+        list[Path] | None, typer.Option(help="CSV of tracks: id, time, lon, lat; IABP; MOSAiC.")
+    ] = None,
+    concentration: Annotated[
+        Path | None, typer.Option(help="Gridded ice concentration with times.")
+    ] = None,
+    variable: Annotated[str, typer.Option(help="Its variable, where no standard name tells.")] = "",
+    crs: Annotated[str, typer.Option(help="Its projection, where the file does not tell.")] = "",
+    thickness: Annotated[
+        list[Path] | None, typer.Option(help="CSV of thickness: time, lon, lat, thickness (m).")
+    ] = None,
+    beside: Annotated[
+        list[Path] | None, typer.Option("--with", help="results/<scene> of another run.")
+    ] = None,
 ) -> None:
-    """Write or compare the documents that are generated from code."""
+    """Compare a run with buoys, concentration and thickness, and with other runs."""
+    # Its figures take a second to import.
+    from floeflow.analysis.observations.compare import Observed
+    from floeflow.analysis.observations.compare import compare as run_compare
+
+    observed = Observed(buoys or (), thickness or (), concentration, variable, crs)
+    _end(partial(run_compare, folder, observed, beside or ()))
+
+
+@app.command()
+def docs(
+    write: Annotated[
+        bool, typer.Option(help="Write the documents; without it, only compare.")
+    ] = False,
+) -> None:
+    """Compare the generated documents with the code, or write them."""
     _end(documents.write_documents if write else documents.check_documents)
 
 
 @app.command()
 def doctor() -> None:
-    """Say what is installed, what is missing, and try the plugin."""
+    """List what is installed and what is missing, and test the plugin."""
     script = PROJECT / "setup/doctor.sh"
     if not script.is_file():
         _end(_no_doctor)

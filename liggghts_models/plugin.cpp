@@ -74,6 +74,24 @@ struct ForceClear {
 };
 template struct Expose<ForceClear, &Integrate::external_force_clear>;
 
+struct Swaps {
+  using type = int Comm::*;
+  friend type get(Swaps);
+};
+template struct Expose<Swaps, &Comm::nswap>;
+
+struct SentCounts {
+  using type = int *Comm::*;
+  friend type get(SentCounts);
+};
+template struct Expose<SentCounts, &Comm::sendnum>;
+
+struct SentLists {
+  using type = int **Comm::*;
+  friend type get(SentLists);
+};
+template struct Expose<SentLists, &Comm::sendlist>;
+
 LIGGGHTS::PairStyles::IGranularPairStyle *create_pair(LAMMPS *lmp, PairGran *pair,
                                                       std::int64_t hash) {
   return new PairFloe(lmp, pair, hash);
@@ -120,6 +138,14 @@ void register_models(LAMMPS *lmp) {
 
 void clear_forces(LAMMPS *lmp, bool wanted) {
   lmp->update->integrate->*get(ForceClear()) = !wanted;
+}
+
+void each_sent(Comm *comm, const std::function<void(int)> &visit) {
+  const int *count = comm->*get(SentCounts());
+  const int *const *list = comm->*get(SentLists());
+  for (int swap = 0; swap < comm->*get(Swaps()); ++swap) {
+    for (int k = 0; k < count[swap]; ++k) visit(list[swap][k]);
+  }
 }
 
 Parts find_parts(LAMMPS *lmp) {

@@ -4,7 +4,10 @@
 #ifndef FLOE_PLUGIN_H
 #define FLOE_PLUGIN_H
 
+#include <functional>
+
 namespace LAMMPS_NS {
+class Comm;
 class LAMMPS;
 class FixFloeIntegrate;
 class FixFloeWalls;
@@ -29,6 +32,9 @@ Parts find_parts(LAMMPS_NS::LAMMPS *lmp);
 
 // Whether LIGGGHTS sets its arrays of forces to 0 in each step.
 void clear_forces(LAMMPS_NS::LAMMPS *lmp, bool wanted);
+
+// Calls with the elements, own or ghosts, that this rank hands to ghosts in each step.
+void each_sent(LAMMPS_NS::Comm *comm, const std::function<void(int)> &visit);
 
 }  // namespace floe
 

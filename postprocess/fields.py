@@ -6,6 +6,7 @@ from pathlib import Path
 
 from floeflow.diagnostics.cf_output import join_times, write_grid
 from floeflow.diagnostics.gridded import make_grid
+from floeflow.diagnostics.surface_forces import forcing_at
 from floeflow.state import read_dataset, read_state
 from floeflow.state.snapshots import read_snapshots
 from floeflow.workflow.job import Snakemake, run_script, scene_of
@@ -20,7 +21,11 @@ def main(snakemake: Snakemake) -> None:
     # The first chunk brings the start with it.
     start = [read_state(path) for path in snakemake.input.start]
     states = [*start, *read_snapshots([snakemake.input.elements])]
-    data = join_times([make_grid(scene, state, mask) for state in states])
+    made = (
+        make_grid(scene, state, mask, forcing_at(scene, float(state.attrs["time"])))
+        for state in states
+    )
+    data = join_times(list(made))
     write_grid(data, Path(str(snakemake.output.fields)))
     for name, unit, size in (("siarea", "km2", 1e6), ("sivolume", "km3", 1e9)):
         left = float(abs(data[f"{name}_residual"]).max()) / size

@@ -28,6 +28,7 @@ def main(snakemake: Snakemake) -> None:
     material = Material(
         diagnostics=read_dataset(given.diagnostics),
         numbers=read_numbers(Path(given.headline)),
+        analyses=read_dataset(given.analyses),
         first_state=read_state(given.first_state),
         last_state=read_state(given.last_state),
         grid=grid,

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Pins the direct dependencies of requirements*.in, and all they need, in requirements.lock, and
-# those of clusters in requirements-cluster.lock: one version of each for Python 3.11 to 3.13, with hashes, wheels only, no index address.
+# those of clusters in requirements-cluster.lock, and those of the docs in requirements-docs.lock: one version of each for Python 3.11 to 3.13, with hashes, wheels only, no index address.
 # Needs uv: the one on PATH, else one installed from PyPI under build/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -45,3 +45,5 @@ pin setup/requirements.lock setup/requirements.in setup/requirements-workflow.in
 # All that the cluster's plugins need is in the first lock.
 pin setup/requirements-cluster.lock --no-deps --constraints setup/requirements.lock \
     setup/requirements-cluster.in
+# The site has a .venv of its own, with the versions of the first lock where both have a package.
+pin setup/requirements-docs.lock --constraints setup/requirements.lock setup/requirements-docs.in

@@ -12,7 +12,12 @@ import pytest
 from hypothesis import settings
 from matplotlib.figure import Figure
 
+from support.beside import pytest_runtestloop  # noqa: F401
+
 PROJECT = Path(__file__).resolve().parents[1]
+
+# How a test begins to say that it was skipped for want of reference data.
+NO_DATA = "no reference data"
 
 Show = Callable[..., None]
 
@@ -27,31 +32,26 @@ def project() -> Path:
 
 
 @pytest.fixture(scope="session")
-def shared() -> Path:
-    """Folder with reference data; the test is skipped where there is none."""
+def shared(pytestconfig: pytest.Config) -> Path:
+    """Folder with reference data; without it a test is skipped, or fails with ``--references``."""
     folder = Path(os.environ.get("FLOEFLOW_SHARED", PROJECT.parent / "shared"))
     if not folder.is_dir():
-        pytest.skip(f"no reference data at {folder} (FLOEFLOW_SHARED names another folder)")
+        said = f"{NO_DATA} at {folder} (FLOEFLOW_SHARED names another folder)"
+        (pytest.fail if pytestconfig.getoption("--references") else pytest.skip)(said)
     return folder
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--figures", action="store_true", help="draw the figures in docs/images")
-    parser.addoption("--part", metavar="K/N", help="of N parts of the modules run only the K-th")
-
-
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Keep one part of the modules: dealt out in turn, so that all parts together are all."""
-    part = config.getoption("--part")
-    if not part:
-        return
-    number, of = map(int, part.split("/"))
-    if not 1 <= number <= of:
-        raise pytest.UsageError(f"--part {part}: there is no such part")
-    modules = list(dict.fromkeys(item.path for item in items))
-    kept = set(modules[number - 1 :: of])
-    config.hook.pytest_deselected(items=[item for item in items if item.path not in kept])
-    items[:] = [item for item in items if item.path in kept]
+    parser.addoption(
+        "--references", action="store_true", help="fail where reference data are absent"
+    )
+    parser.addoption(
+        "--beside",
+        metavar="FOLDER",
+        type=Path,
+        help="run the modules that no other process with this folder has taken",
+    )
 
 
 @pytest.fixture

@@ -17,7 +17,10 @@ _EFFECTS_HEAD = """# Effects
 A scene names its effects; what it does not name is absent: no rule in the workflow, no switch in
 the plugin, no variable in the state, no figure in the report.
 
-    floeflow effects config/scenes/mine.yaml
+<!-- slow -->
+```console
+$ .venv/bin/floeflow effects config/scenes/mine.yaml
+```
 
 estimates from the scene alone how far each effect would move the results and what share of the run
 time it would cost, and recommends. `effects: auto` in a scene takes the recommendation. Every run
@@ -26,7 +29,7 @@ writes the estimates to `results/<scene>/effects.json` and into its report.
 
 This page is generated from `floeflow/scene/effects.py` and
 `floeflow/analysis/estimate/dimensionless_numbers.py` by
-`floeflow docs --write`.
+`.venv/bin/floeflow docs --write`.
 
 | effect | what it is | needs | when it matters: number near 1 or above |
 |---|---|---|---|

@@ -15,18 +15,32 @@ import numpy as np
 from floeflow.core import area_means, fields, times
 from floeflow.core import cf_reading as cf
 from floeflow.core.grids import mask_grid, scene_crs, scene_grid, to_lonlat
+from floeflow.coupling.sea.reading import (
+    SEA_FIELDS,
+    check_sea_file,
+    find_sea,
+    sea_hints,
+    sea_path,
+)
 from floeflow.forcings.forcing import FINER
 from floeflow.forcings.inputs import check_forcing_file, opened
 from floeflow.forcings.tracks import Track
 from floeflow.forcings.window import window_forcing
 from floeflow.masks.mask import make_mask
-from floeflow.masks.mask_file import Wanted, check_mask_file, mask_hints, wanted_variables
+from floeflow.masks.mask_file import (
+    Wanted,
+    check_mask_file,
+    mask_hints,
+    nearest_time,
+    wanted_variables,
+)
 from floeflow.masks.thickness import thickness_kind
 from floeflow.report.figures.frame import Frame
 from floeflow.report.figures.inputs import input_maps
 from floeflow.report.figures.style import write_png
 from floeflow.scene.blocks import Scene
 
+LAND = {"mask": "from the file", "none": "none"}
 FORMULAE = {
     "analytic": "analytic: cyclone, gyre and weather of the scene",
     "climatology": "climatology: a synthetic year from monthly tables, with storms of a seed",
@@ -66,7 +80,11 @@ def find_inputs(scene: Scene) -> list[Finding]:
     """
     check_mask_file(scene)
     check_forcing_file(scene)
-    return [*_of_mask(scene), *_of_forcing(scene)]
+    found = [*_of_mask(scene), Finding("mask land", LAND.get(scene.mask.land, scene.mask.land))]
+    if "mixed_layer" in scene.effects:
+        check_sea_file(scene)
+        found += _of_sea(scene)
+    return [*found, *_of_forcing(scene)]
 
 
 def say(findings: list[Finding]) -> str:
@@ -95,6 +113,10 @@ def draw(scene: Scene, path: Path) -> None:
 
 
 def _of_mask(scene: Scene) -> list[Finding]:
+    if scene.packing.generator == "floes":
+        return [Finding("mask", f"floes of {scene.mask.labels.file}")]
+    if scene.mask.uniform > 0.0:
+        return [Finding("mask", f"concentration {scene.mask.uniform:g} on all water, no file")]
     path = Path(scene.mask.file)
     found = []
     with fields.open_file(path, mask_hints(scene)) as data:
@@ -111,8 +133,29 @@ def _of_mask(scene: Scene) -> list[Finding]:
             notes += [f"level {level.said}"] if level and item.layout.level else []
             text = f"'{item.variable.name}' of {path}"
             found.append(Finding(f"mask {name}", text, (*notes, _grid(source), how)))
-    land = {"mask": "from the file", "none": "none"}.get(scene.mask.land, scene.mask.land)
-    return [*found, Finding("mask land", land)]
+    return found
+
+
+def _of_sea(scene: Scene) -> list[Finding]:
+    """Temperature and salinity of a mixed layer at the start."""
+    path, found = sea_path(scene), []
+    with fields.open_file(path, sea_hints(scene)) as data:
+        variables = cf.variables_of(data)
+        for _, quantity, key in SEA_FIELDS:
+            variable = find_sea(variables, scene, quantity, key)
+            what = quantity.replace("_", " ")
+            if variable is None:
+                stand_in = "the freezing point" if key == "temperature" else "column.ocean_salinity"
+                found.append(Finding(what, f"{path} has none; {stand_in} stands in"))
+                continue
+            layout = cf.layout(variables, variable, path)
+            source = fields.source_grid(variables, variable, layout, data, path)
+            _, days = nearest_time(data, variables, layout, scene, path)
+            when = f"{days:.1f} days from the scene's start" if np.isfinite(days) else "no time"
+            how = _transfer(scene, source, scene.mask.refine, 1.0)
+            notes = _units(variable), when, _grid(source), how
+            found.append(Finding(what, f"'{variable.name}' of {path}", notes))
+    return found
 
 
 def _mask_time(scene: Scene, item: Wanted) -> str:
@@ -138,6 +181,7 @@ def _of_forcing(scene: Scene) -> list[Finding]:
             notes = [_units(tracks[0].variable), _span(scene, tracks[0])]
             level = tracks[0].level()
             notes += [f"level {level}"] if level else []
+            notes += [tracks[0].note()] if tracks[0].note() else []
             if isinstance(item, tuple):
                 notes.append("east and north" if sources.east_north[name] else "along its grid")
             source = tracks[0].source()

@@ -8,20 +8,18 @@ from collections.abc import Callable
 import numpy as np
 
 from floeflow.column.layered import LayeredState, ice_energy, pack_forcing, step
-from floeflow.column.params import Settings
+from floeflow.column.params import INFRARED, VISIBLE, Settings
 from floeflow.column.physics import KELVIN, Physics
 from floeflow.column.records import LEVEL
 from floeflow.column.state import Array
 from floeflow.column.thermodynamics.enthalpy import salinity_profile
 from floeflow.column.thermodynamics.mush import liquidus
-from floeflow.column.thermodynamics.surface import GAS_AIR
 from floeflow.column.thickness.categories import category_bounds
 from floeflow.column.window import sub_steps
+from floeflow.core.constants import GAS_AIR
 
 Columns = dict[str, Array]
 
-# Shares of short-wave radiation below and above 0.7 um (Hunke et al. 2015).
-VISIBLE, INFRARED = 0.52, 0.48
 # Steps of an hour are those for which the share that flushing may wash out was chosen (s).
 HOUR = 3600.0
 # Numbers of forcing that are packed at once: bounds the memory.
@@ -30,9 +28,13 @@ BLOCK = 4_000_000
 
 def layered_physics(settings: Settings) -> Physics:
     """Constants of layered ice under these settings."""
-    defaults = Physics()
+    defaults, keys = Physics(), settings.physics
+    tuned = {name: getattr(keys, name) for name in Physics._fields if hasattr(keys, name)}
     mushy, convergent = settings.scheme == "mushy", settings.variant == "convergent"
     return Physics(
+        **tuned,
+        fresh_conductivity=keys.ice_conductivity,
+        bubbly=keys.conductivity == "pringle",
         mushy=mushy,
         mixed=settings.has("mixed_layer"),
         frazil=settings.has("frazil"),
@@ -88,12 +90,13 @@ def step_forcing(values: dict[str, Array], settings: Settings) -> dict[str, Arra
     air = values["air_temperature"]
     none = np.zeros_like(air)
     dry = GAS_AIR * air * (1.0 + Physics().virtual * values["specific_humidity"])
+    given = settings.physics.air_density
     light = values.get("shortwave_down", none)
     sun = {"sun_height": values["sun_height"]} if settings.needs_sun else {}
     return sun | {
         "potential_temperature": air,
         "humidity": values["specific_humidity"],
-        "density": values["air_pressure"] / dry,
+        "density": np.full_like(air, given) if given > 0.0 else values["air_pressure"] / dry,
         "wind": np.hypot(values["wind_u"], values["wind_v"]),
         "longwave": values["longwave_down"],
         "visible": VISIBLE * light,

@@ -1,21 +1,38 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Constants of the column: one frozen record, so that a run's physics is one value.
+"""Constants of zero-layer columns, and what a run asks of its columns.
 
-Broadband albedos are the CCSM3 ones (Briegleb et al. 2004) at 52 % visible light. The bulk
-coefficients are those of Parkinson and Washington (1979), the conductivities those of
-Semtner (1976).
+Constants that scenes can change come from their block ``physics``, as those of the layered
+schemes do; broadband albedos are the two of CCSM3 (Briegleb et al. 2004) at 52 % visible light.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY, ZERO_CELSIUS
+from floeflow.core.constants import (
+    ICE_DENSITY,
+    LATENT_FUSION,
+    LATENT_VAPOUR,
+    MELTING_SLOPE,
+    SNOW_DENSITY,
+    ZERO_CELSIUS,
+)
+from floeflow.scene.physics import ColumnPhysics
+
+# Shares of short-wave radiation below and above 0.7 um (Hunke et al. 2015).
+VISIBLE, INFRARED = 0.52, 0.48
+
+_KEYS = ColumnPhysics()
+
+
+def broadband(visible: float, infrared: float) -> float:
+    """Mean of two albedos over the light of the sun."""
+    return VISIBLE * visible + INFRARED * infrared
 
 
 @dataclass(frozen=True)
 class ColumnParams:
-    """Constants of the column's schemes, SI units.
+    """Constants of zero-layer columns, SI units.
 
     Parameters
     ----------
@@ -25,61 +42,60 @@ class ColumnParams:
         Salinity of the ocean (1e-3); sets the freezing point.
     ice_density, snow_density : float
         kg/m3.
-    ice_conductivity, snow_conductivity : float
-        W/m/K.
     latent_fusion, latent_vapour : float
         J/kg; sublimation takes their sum.
     melting_temperature : float
         Of the surface of ice and snow (K).
-    emissivity : float
-        Long-wave emissivity of ice, snow and water.
-    transfer_heat, transfer_vapour : float
-        Bulk coefficients of the turbulent fluxes.
-    albedo_ice_cold, albedo_ice_melting, albedo_snow_cold, albedo_snow_melting : float
-        Cold applies from ``albedo_ramp`` below melting downwards.
-    albedo_ocean : float
-        Of open water, and of ice as its thickness goes to nothing.
     albedo_ramp : float
         Width of the ramp from melting to cold albedo (K).
-    albedo_thickness : float
-        From this thickness (m) on, ice has the albedo of thick ice.
-    snow_patchiness : float
-        Snow thickness (m) at which half of the ice shows through.
     mixed_layer_depth : float
         Depth of the slab of sea under an element (m), read where it has one.
     frazil, lateral_melt : bool
         Whether open water freezes, and whether warm water melts the sides of the ice; what would
         have done it is the ocean's then.
+    keys : ColumnPhysics
+        Constants that scenes can change.
     """
 
     new_ice_thickness: float = 0.1
     ocean_salinity: float = 34.0
     ice_density: float = ICE_DENSITY
     snow_density: float = SNOW_DENSITY
-    ice_conductivity: float = 2.04
-    snow_conductivity: float = 0.31
-    latent_fusion: float = 3.34e5
-    latent_vapour: float = 2.501e6
+    latent_fusion: float = LATENT_FUSION
+    latent_vapour: float = LATENT_VAPOUR
     melting_temperature: float = ZERO_CELSIUS
-    emissivity: float = 0.97
-    transfer_heat: float = 1.75e-3
-    transfer_vapour: float = 1.75e-3
-    albedo_ice_cold: float = 0.58
-    albedo_ice_melting: float = 0.50
-    albedo_snow_cold: float = 0.85
-    albedo_snow_melting: float = 0.72
-    albedo_ocean: float = 0.06
     albedo_ramp: float = 1.0
-    albedo_thickness: float = 0.3
-    snow_patchiness: float = 0.02
     mixed_layer_depth: float = 20.0
     frazil: bool = True
     lateral_melt: bool = True
+    keys: ColumnPhysics = _KEYS
+
+    @property
+    def albedo_ice_cold(self) -> float:
+        """Of thick bare ice colder than the ramp."""
+        return broadband(self.keys.albedo_ice_visible, self.keys.albedo_ice_infrared)
+
+    @property
+    def albedo_ice_melting(self) -> float:
+        """Of thick bare ice that melts."""
+        return self.albedo_ice_cold - self.keys.albedo_ice_warming
+
+    @property
+    def albedo_snow_cold(self) -> float:
+        """Of snow colder than the ramp."""
+        return broadband(self.keys.albedo_snow_visible, self.keys.albedo_snow_infrared)
+
+    @property
+    def albedo_snow_melting(self) -> float:
+        """Of snow that melts."""
+        keys = self.keys
+        warming = keys.albedo_snow_visible_warming, keys.albedo_snow_infrared_warming
+        return self.albedo_snow_cold - broadband(*warming)
 
     @property
     def freezing_temperature(self) -> float:
         """Freezing point of the ocean (K), 54 mK lower for each unit of salinity."""
-        return ZERO_CELSIUS - 0.054 * self.ocean_salinity
+        return ZERO_CELSIUS - MELTING_SLOPE * self.ocean_salinity
 
     @property
     def latent_sublimation(self) -> float:
@@ -122,6 +138,8 @@ class Settings:
         ccsm3, or delta_eddington, which asks for the height of the sun; of layered ice.
     variant : str
         convergent, or icepack: ponds, flushing and light in melting layers.
+    physics : ColumnPhysics
+        Constants that scenes can change.
     """
 
     scheme: str = "zero_layer"
@@ -134,6 +152,7 @@ class Settings:
     mixed_layer_depth: float = 20.0
     light: str = "ccsm3"
     variant: str = "convergent"
+    physics: ColumnPhysics = _KEYS
 
     @property
     def needs_sun(self) -> bool:
@@ -154,4 +173,5 @@ def zero_layer_params(settings: Settings) -> ColumnParams:
         mixed_layer_depth=settings.mixed_layer_depth,
         frazil=settings.has("frazil"),
         lateral_melt=settings.has("lateral_melt"),
+        keys=settings.physics,
     )

@@ -14,6 +14,9 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
+from floeflow.core import constants
+from floeflow.scene.physics import ColumnPhysics
+
 _LEAN: dict[str, Any] = {"_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 jit: Any = numba.njit(error_model="numpy", nogil=True, **_LEAN)
 """Compile a small function that only compiled functions call; what Python calls is in kernel.py.
@@ -32,7 +35,10 @@ jit_making: Any = numba.njit(error_model="numpy", nogil=True)
 """Compile a function that makes arrays."""
 
 TINY = 1e-11  # smallest area fraction and thickness (m) that count as ice
-KELVIN = 273.15
+KELVIN = constants.ZERO_CELSIUS
+
+# What scenes can change has its default there.
+_KEYS = ColumnPhysics()
 
 
 class Physics(NamedTuple):
@@ -164,14 +170,14 @@ class Physics(NamedTuple):
         Of the temperatures, before the sure method takes over.
     """
 
-    ice_density: float = 917.0
-    snow_density: float = 330.0
-    water_density: float = 1026.0
+    ice_density: float = constants.ICE_DENSITY
+    snow_density: float = constants.SNOW_DENSITY
+    water_density: float = constants.SEAWATER_DENSITY
     heat_ice: float = 2106.0
     heat_water: float = 4218.0
-    fusion: float = 334000.0
-    vapour: float = 2.501e6
-    melting_slope: float = 0.054
+    fusion: float = constants.LATENT_FUSION
+    vapour: float = constants.LATENT_VAPOUR
+    melting_slope: float = constants.MELTING_SLOPE
     mushy: bool = False
     mixed: bool = True
     frazil: bool = True
@@ -185,23 +191,23 @@ class Physics(NamedTuple):
     flushing: bool = True
     flooding: bool = True
     bubbly: bool = True
-    fresh_conductivity: float = 2.03
-    snow_conductivity: float = 0.3
+    fresh_conductivity: float = _KEYS.ice_conductivity
+    snow_conductivity: float = _KEYS.snow_conductivity
     brine_conductivity: float = 0.13
     least_conductivity: float = 0.1
     least_snow: float = 1e-4
     top_salinity_floor: float = 0.1
     bottom_salinity: float = 3.2
-    emissivity: float = 0.985
-    stefan_boltzmann: float = 5.67e-8
-    heat_air: float = 1005.0
+    emissivity: float = _KEYS.emissivity
+    stefan_boltzmann: float = constants.STEFAN_BOLTZMANN
+    heat_air: float = constants.HEAT_AIR
     heat_vapour: float = 1810.0
     virtual: float = 0.606
     karman: float = 0.4
     gravity: float = 9.80616
     forcing_height: float = 10.0
     reference_height: float = 10.0
-    ice_roughness: float = 5e-4
+    ice_roughness: float = _KEYS.ice_roughness
     least_wind: float = 1.0
     windless: float = 1.0
     stability_iterations: int = 5
@@ -209,22 +215,22 @@ class Physics(NamedTuple):
     vapour_ice_exponent: float = 5897.8
     vapour_sea: float = 627572.4
     vapour_sea_exponent: float = 5107.4
-    albedo_ice_visible: float = 0.78
-    albedo_ice_infrared: float = 0.36
-    albedo_snow_visible: float = 0.98
-    albedo_snow_infrared: float = 0.70
-    albedo_ice_warming: float = 0.075
-    albedo_snow_visible_warming: float = 0.10
-    albedo_snow_infrared_warming: float = 0.15
+    albedo_ice_visible: float = _KEYS.albedo_ice_visible
+    albedo_ice_infrared: float = _KEYS.albedo_ice_infrared
+    albedo_snow_visible: float = _KEYS.albedo_snow_visible
+    albedo_snow_infrared: float = _KEYS.albedo_snow_infrared
+    albedo_ice_warming: float = _KEYS.albedo_ice_warming
+    albedo_snow_visible_warming: float = _KEYS.albedo_snow_visible_warming
+    albedo_snow_infrared_warming: float = _KEYS.albedo_snow_infrared_warming
     albedo_ramp: float = 1.0
-    albedo_ocean: float = 0.06
-    albedo_thickness: float = 0.3
-    snow_patchiness: float = 0.02
+    albedo_ocean: float = _KEYS.albedo_ocean
+    albedo_thickness: float = _KEYS.albedo_thickness
+    snow_patchiness: float = _KEYS.snow_patchiness
     penetrating: float = 0.7
     extinction: float = 1.4
-    snow_grain_tuning: float = 1.5
-    ice_scatter_tuning: float = 0.0
-    pond_scatter_tuning: float = 0.0
+    snow_grain_tuning: float = _KEYS.snow_grain_tuning
+    ice_scatter_tuning: float = _KEYS.ice_scatter_tuning
+    pond_scatter_tuning: float = _KEYS.pond_scatter_tuning
     melting_grain: float = 1500.0
     fresh_grain: float = 100.0
     grain_warming: float = 1.5
@@ -233,14 +239,14 @@ class Physics(NamedTuple):
     lid_snow_depth: float = 0.03
     least_catch: float = 0.15
     most_catch: float = 1.0
-    pond_aspect: float = 0.8
+    pond_aspect: float = _KEYS.pond_aspect
     pond_drain_time: float = 864000.0
     pond_seepage: float = 1e-3
-    ocean_transfer: float = 0.006
+    ocean_transfer: float = _KEYS.ocean_transfer
     least_friction_velocity: float = 5e-4
     lateral_rate: float = 1.6e-6
     lateral_power: float = 1.36
-    floe_diameter: float = 300.0
+    floe_diameter: float = _KEYS.floe_diameter
     floe_shape: float = 0.66
     largest_potential: float = 1000.0
     new_ice_thickness: float = 0.05

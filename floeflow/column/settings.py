@@ -22,4 +22,5 @@ def column_settings(scene: Scene) -> Settings:
         mixed_layer_depth=column.mixed_layer_depth,
         light=column.light,
         variant=column.variant,
+        physics=scene.physics,
     )

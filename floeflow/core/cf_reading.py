@@ -130,6 +130,46 @@ def layout(variables: dict[str, Variable], variable: Variable, path: str | Path)
         Where two horizontal dimensions are not found, or others than time and level are longer
         than one.
     """
+    roles = _roles(variables, variable, path)
+    time, level, *single = own_axes(variables, variable, path)
+    rest = [
+        dim
+        for dim, size in zip(variable.dims, variable.shape, strict=True)
+        if size > 1 and dim not in (time, level)
+    ]
+    for y, x, lonlat in (("latitude", "longitude", True), ("projected y", "projected x", False)):
+        if x in roles and y in roles and set(rest) <= {roles[x], roles[y]}:
+            if not lonlat and not has_mapping(variables, variable):
+                break
+            scale = 1.0 if lonlat else _length(variables[roles[x]], path)
+            return Layout(roles[x], roles[y], lonlat, time, level, scale, None, *single)
+    places = _places(variables, variable, rest)
+    if places is not None:
+        return Layout(rest[1], rest[0], False, time, level, 1.0, places, *single)
+    if "projected x" in roles and "projected y" in roles and set(rest) <= set(roles.values()):
+        projection(variables, variable, path)
+    _refuse_dims(variables, variable, path)
+    raise AssertionError  # not reached
+
+
+def own_axes(
+    variables: dict[str, Variable], variable: Variable, path: str | Path
+) -> tuple[str, str, str, str]:
+    """Time and level of a variable as `Layout` has them: time, level, stamp and height.
+
+    Raises
+    ------
+    FloeError
+        Where two dimensions have one role.
+    """
+    roles = _roles(variables, variable, path)
+    time, level = roles.get("time", ""), roles.get("level", "")
+    stamp = "" if time else _single(variables, variable, "time")
+    return time, level, stamp, "" if level else _single(variables, variable, "level")
+
+
+def _roles(variables: dict[str, Variable], variable: Variable, path: str | Path) -> dict[str, str]:
+    """Dimension of each role."""
     roles: dict[str, str] = {}
     for dim in variable.dims:
         role = dimension_kind(variables, dim)
@@ -137,29 +177,7 @@ def layout(variables: dict[str, Variable], variable: Variable, path: str | Path)
             raise FloeError(f"{path}: variable '{variable.name}' has two dimensions of {role}")
         if role:
             roles[role] = dim
-    time, level = roles.get("time", ""), roles.get("level", "")
-    rest = [
-        dim
-        for dim, size in zip(variable.dims, variable.shape, strict=True)
-        if size > 1 and dim not in (time, level)
-    ]
-    single = {
-        "stamp": "" if time else _single(variables, variable, "time"),
-        "height": "" if level else _single(variables, variable, "level"),
-    }
-    for y, x, lonlat in (("latitude", "longitude", True), ("projected y", "projected x", False)):
-        if x in roles and y in roles and set(rest) <= {roles[x], roles[y]}:
-            if not lonlat and not has_mapping(variables, variable):
-                break
-            scale = 1.0 if lonlat else _length(variables[roles[x]], path)
-            return Layout(roles[x], roles[y], lonlat, time, level, scale, None, **single)
-    places = _places(variables, variable, rest)
-    if places is not None:
-        return Layout(rest[1], rest[0], False, time, level, 1.0, places, **single)
-    if "projected x" in roles and "projected y" in roles and set(rest) <= set(roles.values()):
-        projection(variables, variable, path)
-    _refuse_dims(variables, variable, path)
-    raise AssertionError  # not reached
+    return roles
 
 
 def has_mapping(variables: dict[str, Variable], variable: Variable) -> bool:
@@ -241,7 +259,23 @@ def _refuse_dims(variables: dict[str, Variable], variable: Variable, path: str |
                 f"{path}: '{dim}' of variable '{variable.name}' {has}, not such as "
                 "'days since 1981-12-31', so its times are not known"
             )
-    raise FloeError(f"{said}, which are not longitude and latitude, or projected x and y")
+    known = {dim for dim in variable.dims if dimension_kind(variables, dim)}
+    kinds_found = {dimension_kind(variables, dim) for dim in known}
+    more = [
+        (dim, size)
+        for dim, size in zip(variable.dims, variable.shape, strict=True)
+        if size > 1 and dim not in known
+    ]
+    if more and ({"latitude", "longitude"} <= kinds_found):
+        raise FloeError(
+            f"{path}: variable '{variable.name}' has {more[0][1]} values along '{more[0][0]}', "
+            "which is no time, level, longitude or latitude: keep one of them in the file"
+        )
+    bare = {dim[:1].lower() for dim, _ in more} >= {"x", "y"}
+    raise FloeError(
+        f"{said}, which are not longitude and latitude, or projected x and y"
+        + (": name their projection in mask.crs or forcing.crs" if bare else "")
+    )
 
 
 def dimension_kind(variables: dict[str, Variable], dim: str) -> str:

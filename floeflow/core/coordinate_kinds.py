@@ -33,7 +33,7 @@ LEVEL_NAMES = {
         "s_rho",
         "sigma",
     ),
-    *("heightaboveground", "height"),
+    *("heightaboveground", "height", "altitude", "alt"),
 }
 _SECONDS = {
     **dict.fromkeys(("second", "seconds", "sec", "secs", "s"), 1.0),

@@ -122,7 +122,12 @@ def open_file(path: str | Path, hints: Hints | None = None) -> xr.Dataset:
 
 
 def surface_level(
-    data: xr.Dataset, name: str, layout: cf.Layout, ocean: bool, path: str | Path
+    data: xr.Dataset,
+    name: str,
+    layout: cf.Layout,
+    ocean: bool,
+    path: str | Path,
+    wanted: float = 0.0,
 ) -> levels.Level | None:
     """The level of a variable that is read, None where it has no levels; see `levels.surface`."""
     axis = layout.level or layout.height
@@ -130,7 +135,8 @@ def surface_level(
         return None
     item = data[axis]
     what = f"{path}: variable '{name}'"
-    return levels.surface(axis, item.attrs, np.asarray(item.values, dtype=float), ocean, what)
+    values = np.asarray(item.values, dtype=float)
+    return levels.surface(axis, item.attrs, values, ocean, what, wanted)
 
 
 def read_values(
@@ -140,11 +146,12 @@ def read_values(
     source: AnySource,
     times: Index,
     path: str | Path,
-    ocean: bool = True,
+    level: int | None = None,
 ) -> Array:
     """Values of a variable at some of its times, axes ascending, NaN where missing.
 
-    Of several levels the one nearest the surface is taken, see `levels.surface`.
+    Of several levels ``level`` is taken; without it the one nearest the sea's surface, see
+    `levels.surface`.
 
     Returns
     -------
@@ -156,7 +163,7 @@ def read_values(
     FloeError
         Where the file turns out damaged, or the values are no numbers.
     """
-    return read_unpacked(data, name, layout, source, times, path, ocean).values
+    return read_unpacked(data, name, layout, source, times, path, level).values
 
 
 def read_unpacked(
@@ -166,10 +173,10 @@ def read_unpacked(
     source: AnySource,
     times: Index,
     path: str | Path,
-    ocean: bool = True,
+    level: int | None = None,
 ) -> Values:
     """As `read_values`, with the flags that tell why values are missing."""
-    raw = _stored(data, name, layout, times, path, ocean)
+    raw = _stored(data, name, layout, times, path, level)
     found = unpack(raw, data[name].attrs)
     flags = {kind: _ordered(hit, source).astype(bool) for kind, hit in found.flags.items()}
     return Values(_ordered(found.values, source), flags, found.rounding)
@@ -184,21 +191,30 @@ def read_flags(
     path: str | Path,
 ) -> dict[str, Flags]:
     """Where a status flag tells of land, (times, ny, nx); see `unpack.status_flags`."""
-    found = status_flags(_stored(data, name, layout, times, path, True), data[name].attrs)
+    found = status_flags(_stored(data, name, layout, times, path), data[name].attrs)
     return {kind: _ordered(hit, source).astype(bool) for kind, hit in found.items()}
 
 
 def _stored(
-    data: xr.Dataset, name: str, layout: cf.Layout, times: Index, path: str | Path, ocean: bool
+    data: xr.Dataset,
+    name: str,
+    layout: cf.Layout,
+    times: Index,
+    path: str | Path,
+    level: int | None = None,
 ) -> NDArray[Any]:
     """Numbers as stored, (times, ny, nx), in the file's own order."""
     field = data[name]
-    level = surface_level(data, name, layout, ocean, path)
-    if layout.level and level is not None:
-        field = field.isel({layout.level: level.index})
+    if layout.level:
+        if level is None:
+            found = surface_level(data, name, layout, True, path)
+            level = 0 if found is None else found.index
+        field = field.isel({layout.level: level})
     field = field.isel({layout.time: times}) if layout.time else field.expand_dims("one time")
     keep = (layout.time or "one time", layout.y, layout.x)
     field = field.isel({dim: 0 for dim in field.dims if dim not in keep})
+    # What was cut to one place has no horizontal dimensions left.
+    field = field.expand_dims([dim for dim in keep if dim not in field.dims])
     try:
         raw = np.asarray(field.transpose(*keep).values)
     except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to

@@ -40,7 +40,7 @@ class Hints:
     flagged : str
         The variable that they belong to; empty: all.
     scale : float
-        What one count of a file without units is as a share; 0: not given.
+        What 1 in the file is as a share; 0: as its units say.
     """
 
     key: str = "mask"
@@ -192,7 +192,10 @@ def _with_hints(data: xr.Dataset, hints: Hints, path: str | Path) -> xr.Dataset:
             pairs = [(code, word) for word, codes in hints.flags.items() for code in codes]
             item.attrs["floeflow_flags"] = pairs
         if hints.scale and item.ndim >= 2:
-            item.attrs |= {"scale_factor": hints.scale, "units": "1"}
+            # On top of a packing, whose values are the file's numbers.
+            packing = {"scale_factor": 1.0, "add_offset": 0.0}
+            scaled = {key: hints.scale * item.attrs.get(key, own) for key, own in packing.items()}
+            item.attrs |= {**scaled, "units": "1"}
     return data
 
 

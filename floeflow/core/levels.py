@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Of several levels the one nearest the surface, by what the vertical axis says of itself.
 
-The air's surface is its lowest level, the sea's is its highest. Which numbers lie lower is told by
-``positive``, by the standard name or by the units; where nothing tells, the file is refused: the
-smallest number is the top of the atmosphere as often as its bottom.
+The air's surface is its lowest level, the sea's is its highest; of heights above the ground in
+metres it is the one that a quantity is wanted at, as of winds at 2 and 10 m. Which numbers lie
+lower is told by ``positive``, by the standard name or by the units; where nothing tells, the file
+is refused: the smallest number is the top of the atmosphere as often as its bottom.
 """
 
 from __future__ import annotations
@@ -53,7 +54,14 @@ class Level:
     said: str
 
 
-def surface(axis: str, attrs: Mapping[str, Any], values: Array, ocean: bool, what: str) -> Level:
+def surface(
+    axis: str,
+    attrs: Mapping[str, Any],
+    values: Array,
+    ocean: bool,
+    what: str,
+    wanted: float = 0.0,
+) -> Level:
     """The level nearest the surface.
 
     Parameters
@@ -68,6 +76,8 @@ def surface(axis: str, attrs: Mapping[str, Any], values: Array, ocean: bool, wha
         Whether the quantity belongs to the sea, whose surface is at the top.
     what : str
         File and variable, for the sentence.
+    wanted : float
+        Height above the ground (m) at which a quantity of the air is wanted.
 
     Raises
     ------
@@ -81,7 +91,7 @@ def surface(axis: str, attrs: Mapping[str, Any], values: Array, ocean: bool, wha
     length = units.is_length(unit) if unit else None
     if length is not None and (ocean or kinds.text(attrs, "standard_name") != "air_pressure"):
         # Heights and depths count from the surface, whatever their sign.
-        index = int(np.argmin(np.abs(values)))
+        index = int(np.argmin(np.abs(np.abs(values) * length - (0.0 if ocean else wanted))))
     elif values.size == 1:
         index = 0
     else:

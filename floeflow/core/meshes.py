@@ -8,7 +8,6 @@ functions here. Polygons go in blocks of one number of corners, the form in whic
 from __future__ import annotations
 
 import io
-import stat
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from floeflow.core.atomic_write import write_whole
 from floeflow.core.errors import FloeError
+from floeflow.core.mesh_check import check_mesh_file
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -155,25 +155,6 @@ def read_triangles(path: Path) -> tuple[Array, Index]:
     if not np.isfinite(points).all():
         raise FloeError(f"{path}: a corner of the mesh is not finite")
     return points, triangles
-
-
-def check_mesh_file(path: Path) -> None:
-    """Refuse what would hang or fill the memory: no regular file, an STL shorter than it says."""
-    try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise FloeError(f"{path}: is no file, so no mesh can be read from it")
-        with path.open("rb") as file:
-            head = file.read(84)
-    except OSError as error:
-        raise FloeError(f"{path}: the mesh cannot be read: {error.strerror}") from None
-    if path.suffix.lower() == ".stl" and len(head) == 84 and not head.startswith(b"solid"):
-        triangles = int.from_bytes(head[80:], "little")
-        if status.st_size < 84 + 50 * triangles:
-            raise FloeError(
-                f"{path}: says that it holds {triangles} triangles, but ends before: it is damaged "
-                "or not whole"
-            )
 
 
 def write_series(path: Path, files: Sequence[str], times: Sequence[float]) -> None:

@@ -153,6 +153,29 @@ def axis_seconds(
     return seconds, (ends[:, 0], ends[:, 1])
 
 
+def first_date(axis: cf.Variable, value: float, path: str | Path) -> datetime:
+    """A time of an axis as a date in the axis' own calendar, to the second.
+
+    Raises
+    ------
+    FloeError
+        As `seconds_since`, and for a day that other calendars lack.
+    """
+    origin = datetime(1970, 1, 1)
+    seconds = seconds_since([value], axis, origin, path)
+    calendar = axis.text("calendar").lower() or "standard"
+    dates: Any = netCDF4.num2date(
+        np.round(seconds), f"seconds since {origin.isoformat(sep=' ')}", calendar
+    )
+    date = dates[0]
+    try:
+        return datetime(date.year, date.month, date.day, date.hour, date.minute, date.second)
+    except ValueError:
+        raise FloeError(
+            f"{path}: time variable '{axis.name}' begins on {date}, which no year has"
+        ) from None
+
+
 def say(start: datetime, seconds: float) -> str:
     """A time of the scene as text, or as seconds where the calendar has none."""
     try:

@@ -16,13 +16,13 @@ SPELLINGS = {
     for name in (
         *("", "1", "unitless", "none", "ratio", "fraction", "share", "dimensionless", "nondim"),
         *("(0 - 1)", "(0-1)", "0-1", "0 - 1", "0..1", "[0, 1]", "[0-1]", "[0..1]", "kg kg-1"),
-        *("fraction (0-1)", "proportion", "-", "n/a", "no units", "1.0"),
+        *("fraction (0-1)", "proportion", "-", "[-]", "n/a", "no units", "1.0", "fractional"),
     )
 }
 SPELLINGS |= {
     name: "percent" for name in ("%", "percent", "per cent", "per_cent", "percentage", "pct")
 }
-SPELLINGS |= {name: "percent" for name in ("percent (0-100)", "% (0-100)", "0-100")}
+SPELLINGS |= {name: "percent" for name in ("percent (0-100)", "% (0-100)", "0-100", "percent (%)")}
 SPELLINGS |= {name: "kelvin" for name in ("k", "kelvin", "kelvins", "degk", "deg_k", "deg k")}
 SPELLINGS |= {
     name: "degC"
@@ -44,7 +44,15 @@ SPELLINGS |= {
     "mm/day": "mm day-1",
 }
 SPELLINGS |= {"m of water equivalent": "m", "m of water": "m", "mm of water": "mm"}
-SPELLINGS |= {"mbar": "millibar", "mb": "millibar", "millibars": "millibar", "pascals": "pascal"}
+SPELLINGS |= {
+    "hpa": "hectopascal",
+    "mbar": "millibar",
+    "mb": "millibar",
+    "millibars": "millibar",
+    "pascals": "pascal",
+}
+# What pint says of the units of most masks and seas, which need not wait for it.
+COMMON = {("percent", "1"): (0.01, 0.0), ("degC", "K"): (1.0, 273.15)}
 _LEADING = re.compile(r"^([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*[*x]?\s+(\S.*)$")
 
 
@@ -74,7 +82,8 @@ def conversion(text: str, si: str) -> tuple[float, float] | None:
         # Times of ten degrees from another zero would mean nothing.
         return None if rest is None or rest[1] else (float(leading[1]) * rest[0], 0.0)
     if lower in SPELLINGS:
-        return _by_pint(SPELLINGS[lower], si)
+        meant = SPELLINGS[lower]
+        return COMMON[meant, si] if (meant, si) in COMMON else _by_pint(meant, si)
     for spelled in (plain, lower, lower.removesuffix("s")):
         found = _by_pint(spelled, si)
         if found is not None:
@@ -83,7 +92,7 @@ def conversion(text: str, si: str) -> tuple[float, float] | None:
 
 
 def _by_pint(text: str, si: str) -> tuple[float, float] | None:
-    # Half a second of imports, which files in SI spelt plainly do not pay for.
+    # Seconds of imports and tables, which files in common units do not pay for.
     from cf_xarray.units import units as registry
 
     try:

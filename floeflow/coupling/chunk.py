@@ -18,8 +18,10 @@ import numpy as np
 import xarray as xr
 
 from floeflow.core.atomic_write import write_text
+from floeflow.core.file_hash import file_hash
 from floeflow.core.lock import hold_alone
 from floeflow.coupling import resume
+from floeflow.coupling.fluxes import join_fluxes
 from floeflow.coupling.job import Job
 from floeflow.coupling.launch import run_ranks
 from floeflow.coupling.origin import check_origin, window_keys
@@ -80,11 +82,11 @@ class Chunk:
 
 def fixed_hashes(chunk: Chunk) -> dict[str, str]:
     """What goes into the hash of every window of a run; see ``resume.window_hashes``."""
-    files = [resume.file_hash(path) for path in users_files(chunk.scene)]
+    files = [file_hash(path) for path in users_files(chunk.scene)]
     return {
         **window_keys(chunk.scene),
         "forcing_files": " ".join(files),
-        "plugin": resume.file_hash(chunk.plugin),
+        "plugin": file_hash(chunk.plugin),
         "library": chunk.library,
         "ranks": str(chunk.ranks),
     }
@@ -150,9 +152,7 @@ def publish(chunk: Chunk) -> None:
     write_dataset(join_snapshots(snapshots), chunk.path("elements"))
     if chunk.scene.exchange.fluxes:
         parts = [read_dataset(f / resume.FLUXES) for f in folders]
-        fixed = ["cell_area"]
-        joined = xr.concat([part.drop_vars(fixed) for part in parts], "time", join="exact")
-        write_dataset(joined.merge(parts[0][fixed]), chunk.path("fluxes"))
+        write_dataset(join_fluxes(parts), chunk.path("fluxes"))
     costs: list[dict[str, Any]] = []
     for window, folder in zip(chunk.windows, folders, strict=True):
         records = json.loads((folder / resume.COST).read_text())

@@ -84,7 +84,9 @@ def forcing_sampler(
     rubs = "mixed_layer" in scene.effects and "ocean_drag" in scene.effects
     names = (*names, "ocean_u", "ocean_v") if rubs else names
     u, v, x, y = columns.u, columns.v, columns.x, columns.y
-    series = sample_series(forcing, names, x, y)
+    over = np.sqrt(columns.area / np.pi) if scene.forcing.at == "cell" else None
+    stress = scene.forcing.wind_mean == "stress"
+    series = sample_series(forcing, names, x, y, radius=over, wind_stress=stress)
     lit = column_settings(scene).needs_sun
     lon, lat = to_lonlat(scene_crs(scene.domain), x, y) if lit else (x, y)
 

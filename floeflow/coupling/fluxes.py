@@ -2,7 +2,8 @@
 """What a window gives to ocean and air, on the scene's grid: the way back to a coupled model.
 
 Each element's totals of the window are spread over points of its disc, and each point over the
-four cells around it with the weights by which the forcing is read there: the adjoint of the way in.
+four cells around it with the weights by which the forcing is read there: with ``forcing.at: cell``
+the transpose of the way in.
 What the elements gave is what the cells get, to round-off; what lies beyond the scene's
 rectangle is told apart. Names are CF's; fluxes are means over the window and over the cell.
 """
@@ -15,7 +16,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from floeflow.core.grids import Grid, cell_area, scene_crs, scene_grid
+from floeflow.core.discs import disc_places
+from floeflow.core.grids import Grid, cell_area, scene_crs, scene_grid, to_lonlat
 from floeflow.coupling.sea.birth import OpenIce
 from floeflow.scene import Scene
 from floeflow.state.schema import MOBILE
@@ -23,8 +25,6 @@ from floeflow.state.schema import MOBILE
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-# Points of a disc, in a spiral of equal areas (Vogel 1979).
-POINTS = 16
 # Variables: units, CF standard name (empty where CF has none), long name.
 FIELDS: dict[str, tuple[str, str, str]] = {
     "tau_x_ocean": (
@@ -61,6 +61,8 @@ FIELDS: dict[str, tuple[str, str, str]] = {
         "salt that the ocean gets by growth and drainage",
     ),
 }
+# Units of a flux times area and time.
+TOTAL_UNITS = {"Pa": "N s", "W m-2": "J", "kg m-2 s-1": "kg"}
 # How a flux is made from the sums of elements and columns: names and signs.
 SUMS: dict[str, tuple[tuple[str, float], ...]] = {
     "tau_x_ocean": (("ocean_impulse_x", -1.0),),
@@ -96,10 +98,9 @@ def spread(grid: Grid, x: Array, y: Array, area: Array, totals: Array) -> tuple[
     outside : ndarray
         What lies beyond the grid's rim, (k,).
     """
-    share = (np.arange(POINTS) + 0.5) / POINTS
-    turn = np.arange(POINTS) * np.pi * (3.0 - np.sqrt(5.0))
-    reach = np.sqrt(area / np.pi)[:, None] * np.sqrt(share)
-    px, py = x[:, None] + reach * np.cos(turn), y[:, None] + reach * np.sin(turn)
+    dx, dy = disc_places()
+    radius = np.sqrt(area / np.pi)[:, None]
+    px, py = x[:, None] + radius * dx, y[:, None] + radius * dy
     edges = grid.x_edges, grid.y_edges
     inside = (px >= edges[0][0]) & (px <= edges[0][-1])
     inside &= (py >= edges[1][0]) & (py <= edges[1][-1])
@@ -107,7 +108,7 @@ def spread(grid: Grid, x: Array, y: Array, area: Array, totals: Array) -> tuple[
     rows, north = _between(grid.y, py)
     ny, nx = grid.shape
     cells = np.zeros((len(totals), ny * nx))
-    each = totals / POINTS
+    each = totals / dx.size
     for row, column, weight in (
         (rows, columns, (1 - north) * (1 - east)),
         (rows, columns + 1, (1 - north) * east),
@@ -157,7 +158,8 @@ def window_fluxes(
     -------
     xarray.Dataset
         The variables of `FIELDS` that the scene has on (time, y, x), time the window's middle with
-        bounds; ``<name>_outside``: the window's total of what lies beyond the rectangle.
+        bounds; ``<name>_outside``: the window's total of what lies beyond the rectangle (N s, J,
+        kg).
     """
     grid = scene_grid(scene.domain)
     mobile = state["type"].values == MOBILE
@@ -178,18 +180,38 @@ def window_fluxes(
     data = xr.Dataset()
     for name, total, beyond in zip(made, cells, outside, strict=True):
         unit, standard, text = FIELDS[name]
-        attrs = {"units": unit, "long_name": text, "cell_methods": "time: mean area: mean"}
+        attrs = {"units": unit, "long_name": text, "cell_methods": "area: time: mean"}
         attrs |= {"standard_name": standard} if standard else {}
+        attrs |= {"grid_mapping": "crs", "cell_measures": "area: cell_area"}
         data[name] = (("time", "y", "x"), (total / per)[None], attrs)
-        data[f"{name}_outside"] = (("time",), [beyond], {"long_name": f"beyond the grid: {text}"})
+        whole = f"beyond the grid, over the window: {text}"
+        data[f"{name}_outside"] = (
+            *(("time",), [beyond]),
+            {"long_name": whole, "units": TOTAL_UNITS[unit], "cell_methods": "time: sum"},
+        )
     since = f"seconds since {scene.time.start.isoformat(sep=' ')}"
-    time = {"units": since, "standard_name": "time", "bounds": "time_bounds"}
+    time = {"units": since, "calendar": "standard", "standard_name": "time", "axis": "T"}
+    time |= {"bounds": "time_bounds"}
     data["time_bounds"] = (("time", "bound"), [list(window)])
-    data["cell_area"] = (("y", "x"), per / (window[1] - window[0]), {"units": "m2"})
+    area = {"units": "m2", "standard_name": "cell_area", "grid_mapping": "crs"}
+    data["cell_area"] = (("y", "x"), per / (window[1] - window[0]), area)
+    crs = scene_crs(scene.domain)
+    data["crs"] = ((), np.int32(0), crs.to_cf())
+    lon, lat = to_lonlat(crs, *grid.mesh())
     data = data.assign_coords(
         time=("time", [0.5 * (window[0] + window[1])], time),
-        x=("x", grid.x, {"units": "m", "standard_name": "projection_x_coordinate"}),
-        y=("y", grid.y, {"units": "m", "standard_name": "projection_y_coordinate"}),
+        x=("x", grid.x, {"units": "m", "standard_name": "projection_x_coordinate", "axis": "X"}),
+        y=("y", grid.y, {"units": "m", "standard_name": "projection_y_coordinate", "axis": "Y"}),
+        lat=(("y", "x"), lat, {"standard_name": "latitude", "units": "degrees_north"}),
+        lon=(("y", "x"), lon, {"standard_name": "longitude", "units": "degrees_east"}),
     )
     data.attrs = {"Conventions": "CF-1.10", "crs": scene.domain.crs}
     return data
+
+
+def join_fluxes(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Fluxes of consecutive windows, as they were written, in one dataset."""
+    fixed = [name for name, item in parts[0].data_vars.items() if "time" not in item.dims]
+    joined = xr.concat([part.drop_vars(fixed) for part in parts], "time", join="exact")
+    joined.attrs.pop("window", None)
+    return joined.merge(parts[0][fixed])

@@ -3,6 +3,7 @@
 
 import json
 import logging
+import os
 import re
 import subprocess
 import sys
@@ -15,6 +16,9 @@ from floeflow.core.errors import FloeError
 from floeflow.coupling.job import Job
 from floeflow.coupling.progress import show_progress
 from floeflow.scene import Scene
+
+# Settings of Open MPI and PMIx that a user may have made.
+_OWN = re.compile(r"(OMPI|PMIX|PRTE)_MCA_")
 
 
 def run_ranks(job: Job, ranks: int, log: Path, launcher: tuple[str, ...] = ("mpirun",)) -> None:
@@ -88,9 +92,28 @@ def _last_words(job: Job, log: Path, code: int) -> str:
                 if re.match(r"ERROR|\w*Error\b|FATAL|LIGGGHTS: ", text.strip()):
                     span = f"windows {job.windows[job.done]} to {job.windows[-1]}"
                     return f"{span}: {text.strip()} ({path})"
-    words = [text.strip(" -") for text in log.read_text(errors="replace").splitlines()]
-    last = next((text for text in reversed(words) if text), "nothing said")
+    text = log.read_text(errors="replace")
+    if told := _told_by_mpi(text):
+        chosen = [f"{name}={os.environ[name]}" for name in sorted(os.environ) if _OWN.match(name)]
+        where = f"; set in the environment: {', '.join(chosen)}" if chosen else ""
+        return f"the ranks ended with code {code}, and MPI says: {told}{where} (see {log})"
+    words = [line.strip(" -") for line in text.splitlines()]
+    last = next((line for line in reversed(words) if line), "nothing said")
     return f"the ranks ended with code {code}: {last} (see {log})"
+
+
+def _told_by_mpi(text: str) -> str:
+    """What Open MPI says in the first of its boxes: a sentence, then names and values.
+
+    Empty where there is none, or only that which says that the program itself ended.
+    """
+    boxes = (box.strip() for box in re.split(r"^-{40,}$", text, flags=re.MULTILINE)[1::2])
+    for box in boxes:
+        if box and not re.match(r"Primary job\s+terminated|MPI_ABORT was invoked", box):
+            values = re.findall(r"^ *(\w[\w ]*?) *: +(\S.*?) *$", box, flags=re.MULTILINE)
+            first = re.split(r"[.:](?:\s|$)", " ".join(box.split()), maxsplit=1)[0]
+            return first + (f" ({', '.join(map(' '.join, values))})" if values else "")
+    return ""
 
 
 def warn_of_step(scene: Scene) -> None:

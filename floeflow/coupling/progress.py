@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Progress of a job's windows: a bar on a terminal, a line an event elsewhere."""
+"""Progress of a job's windows: a bar on a terminal, two lines a window elsewhere."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def show_progress(windows: list[str]) -> Iterator[Show]:
             bar = stack.enter_context(_bar())
             show: Show = _BarShow(bar, len(windows))
         else:
-            show = _print_line
+            show = _Lines()
 
         def log_and_show(event: Event) -> None:
             logging.info("%s", line(event))
@@ -59,8 +59,17 @@ def show_progress(windows: list[str]) -> Iterator[Show]:
         yield log_and_show
 
 
-def _print_line(event: Event) -> None:
-    print(line(event), file=sys.stderr, flush=True)
+class _Lines:
+    """Two lines for each window: its first sample, which tells how fast it goes, and its end."""
+
+    def __init__(self) -> None:
+        self._begun: set[str] = set()
+
+    def __call__(self, event: Event) -> None:
+        first = event["window"] not in self._begun
+        self._begun.add(event["window"])
+        if first or event["step"] >= event["steps"]:
+            print(line(event), file=sys.stderr, flush=True)
 
 
 def _bar() -> Progress:

@@ -48,7 +48,7 @@ def freeze_window(
         New state, and the number of bonds that formed.
     """
     ice, d = column_params(scene), scene.dynamics
-    growth = 2.0 * ice.ice_conductivity / (ice.ice_density * ice.latent_fusion)
+    growth = 2.0 * ice.keys.ice_conductivity / (ice.ice_density * ice.latent_fusion)
     cold = Cold(
         *(d.refreeze_time, d.refreeze_temperature, d.refreeze_thickness),
         *(ice.freezing_temperature, growth, scene.packing.coast_bonds),

@@ -34,24 +34,6 @@ def work_folder(scene_folder: Path, window: str) -> Path:
     return scene_folder / WORK / window
 
 
-def file_hash(path: str | Path) -> str:
-    """SHA-256 of a file's bytes.
-
-    Raises
-    ------
-    FloeError
-        Where it cannot be read.
-    """
-    digest = hashlib.sha256()
-    try:
-        with open(path, "rb") as file:
-            while block := file.read(1 << 20):
-                digest.update(block)
-    except OSError as error:
-        raise FloeError(f"{path}: cannot be read: {error.strerror}") from None
-    return digest.hexdigest()
-
-
 def window_hashes(start: str, windows: Sequence[str], fixed: dict[str, str]) -> list[str]:
     """Hash of all that makes each window of a chunk.
 

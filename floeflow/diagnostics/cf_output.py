@@ -40,6 +40,8 @@ class Described:
         Name and value of a scalar coordinate that says of which area it is a fraction.
     bands : bool
         It has the dimension ``iceband``, the categories of thickness.
+    single : bool
+        Written in single precision: it follows from other fields and is in no budget.
     """
 
     standard_name: str
@@ -49,6 +51,7 @@ class Described:
     scale: float = 1.0
     area_type: tuple[str, str] | None = None
     bands: bool = False
+    single: bool = False
 
 
 OF_SEA, OF_ICE = "area: mean where sea", "area: mean where sea_ice (comment: mask=siconc)"
@@ -125,6 +128,26 @@ DESCRIPTIONS = {
         SHEAR, "s-1", "largest shear of siu and siv, by differences between cells", OF_ICE
     ),
 }
+DESCRIPTIONS |= {
+    name.format(axis): Described(
+        standard_name.format(axis), "N m-2", f"{text} along {axis}", OF_ICE, single=True
+    )
+    for axis in "xy"
+    for name, standard_name, text in (
+        ("sistr{}dtop", "surface_downward_{}_stress", "stress of the wind on the ice"),
+        ("sistr{}ubot", "upward_{}_stress_at_sea_ice_base", "stress of the water on the ice"),
+        (
+            "siforcecoriol{}",
+            "sea_ice_{}_force_per_unit_area_due_to_coriolis_effect",
+            "Coriolis force",
+        ),
+        (
+            "siforcetilt{}",
+            "sea_ice_{}_force_per_unit_area_due_to_sea_surface_tilt",
+            "force of the sea surface's tilt",
+        ),
+    )
+}
 
 HISTORY = {
     "conservative": "conservative remapping from elements to the grid",
@@ -196,6 +219,8 @@ def describe(
     for name in map(str, data.variables):
         filled = name in DESCRIPTIONS
         data[name].encoding = {"_FillValue": MISSING if filled else None}
+        if filled and DESCRIPTIONS[name].single:
+            data[name].encoding |= {"dtype": "float32", "_FillValue": np.float32(MISSING)}
         if data[name].ndim >= 2:
             data[name].encoding |= {"zlib": True, "complevel": 4}
         if data[name].dims[-2:] == ("y", "x") and name not in ("lat", "lon"):

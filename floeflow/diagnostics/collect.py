@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.core.errors import FloeError
+from floeflow.core.extensions import load_extensions
 from floeflow.scene.blocks import Domain
 from floeflow.scene.effects import diagnostic_series
 from floeflow.state import read_dataset
@@ -45,6 +46,30 @@ GRID_OUTSIDE = {
     "ice_volume": "sivolume_outside",
     "snow_volume": "sisnvolume_outside",
 }
+
+
+# Numbers of the elements at each boundary that extensions add, by name: function, unit, meaning.
+ADDED: dict[str, tuple[Callable[[xr.Dataset], float], str, str]] = {}
+
+
+def boundary_number(
+    name: str, unit: str, meaning: str
+) -> Callable[[Callable[[xr.Dataset], float]], Callable[[xr.Dataset], float]]:
+    """Register a number of the elements, taken at each window boundary.
+
+    Parameters
+    ----------
+    name : str
+        Of the variable in ``diagnostics.nc``.
+    unit, meaning : str
+        Its attributes ``units`` and ``long_name``.
+    """
+
+    def register(function: Callable[[xr.Dataset], float]) -> Callable[[xr.Dataset], float]:
+        ADDED[name] = function, unit, meaning
+        return function
+
+    return register
 
 
 # Sides of the scene's rectangle.
@@ -181,11 +206,13 @@ def summarise_states(
         start (m), ``elements``, ``coast_elements``, ``ocean_area`` and ``unclaimed_water`` (m2);
         and each state's window and checksum.
     """
+    load_extensions()
     rows: list[dict[str, float]] = []
     sums = []
     for state in itertools.chain([first], snapshots):
         row = _totals(first, state)
         row |= stocks(state, "snow" in effects, domain)
+        row |= {name: float(number(state)) for name, (number, *_) in ADDED.items()}
         rows.append(row)
         sums.append({"window": int(state.attrs["window"]), "checksum": str(state.attrs[CHECKSUM])})
     columns = {name: ("boundary", np.array([row[name] for row in rows])) for name in rows[0]}

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.core.atomic_write import write_text
+from floeflow.diagnostics.analyses import Analyses
 from floeflow.diagnostics.budgets import (
     Budget,
     column_budgets,
@@ -29,13 +30,16 @@ from floeflow.diagnostics.budgets import (
     total_of,
 )
 from floeflow.diagnostics.collect import (
+    ADDED,
     SIDES,
     bond_counts,
     read_cost,
+    read_grid,
     read_series,
     summarise_grid,
     summarise_states,
 )
+from floeflow.diagnostics.tendencies import tendencies
 from floeflow.scene.blocks import Domain
 from floeflow.state import read_state
 from floeflow.state.snapshots import read_snapshots
@@ -249,7 +253,8 @@ def assemble(
             text = f"{kind} of: {budget.label}" if kind == "residual" else f"{budget.label}, rel."
             data[f"{budget.name}_{kind}"] = ((dim,), values, {"units": unit, "long_name": text})
     data["cost_seconds"] = seconds
-    for name, (unit, text) in UNITS.items():
+    added = {name: (unit, text) for name, (_, unit, text) in ADDED.items()}
+    for name, (unit, text) in {**UNITS, **added}.items():
         if name in data:
             data[name].attrs = {"units": unit, "long_name": text}
     for name in ("time", "boundary_time"):
@@ -260,6 +265,13 @@ def assemble(
             "calendar": "standard",
         }
     return data
+
+
+def remapped_windows(scalars: xr.Dataset) -> set[int]:
+    """Windows at whose end ice was remapped between elements."""
+    if "remap_done" not in scalars:
+        return set()
+    return {int(number) for number in scalars["window"].values[scalars["remap_done"].values > 0]}
 
 
 def write_json(data: Mapping[str, Any], path: Path) -> None:
@@ -289,6 +301,8 @@ class RunFiles:
         Of the chunks.
     grid : Path or None
         Fields of all boundaries, where the scene has gridded output.
+    last : Path or None
+        The last state, with its bonds.
     """
 
     first: Path
@@ -296,10 +310,22 @@ class RunFiles:
     series: Sequence[Path]
     cost: Sequence[Path]
     grid: Path | None = None
+    last: Path | None = None
+
+
+def analyse(files: RunFiles, analyses: Analyses) -> xr.Dataset:
+    """What goes to ``analyses.nc``, after `diagnose` has gone through the run."""
+    grid = read_grid(files.grid) if files.grid else None
+    states = {"start": read_state(files.first)}
+    states |= {"end": read_state(files.last)} if files.last else {}
+    return analyses.result(grid, states)
 
 
 def diagnose(
-    files: RunFiles, effects: tuple[str, ...], domain: Domain
+    files: RunFiles,
+    effects: tuple[str, ...],
+    domain: Domain,
+    analyses: Analyses | None = None,
 ) -> tuple[xr.Dataset, dict[str, Any]]:
     """Diagnose a run.
 
@@ -311,6 +337,8 @@ def diagnose(
         The scene's effects.
     domain : Domain
         The scene's rectangle.
+    analyses : Analyses, optional
+        Gathers from the states as they are read.
 
     Returns
     -------
@@ -325,6 +353,10 @@ def diagnose(
     samples, scalars = read_series(files.series, effects)
     first = read_state(files.first)
     snapshots = read_snapshots(files.elements)
+    if analyses is not None:
+        analyses.remapped |= remapped_windows(scalars)
+        analyses.take(first)
+        snapshots = analyses.follow(snapshots)
     boundaries, states = summarise_states(first, snapshots, effects, domain)
     if "bonds" in effects:
         boundaries = boundaries.assign(bond_counts(first, samples, scalars))
@@ -333,6 +365,9 @@ def diagnose(
     budgets = close_budgets(samples, scalars, boundaries, gridded, effects)
     seconds = cost_by_stage(costs, scalars["window"].values)
     start = str(first.attrs["start"])
+    lengths = np.diff(boundaries["boundary_time"].values)
+    sea = float(boundaries["ocean_area"].values[0])
+    scalars = scalars.merge(tendencies(scalars, sea, float(lengths[0])))
     data = assemble(samples, scalars, boundaries, gridded, budgets, seconds, start)
     stages = {str(name): float(seconds.sel(stage=name).sum()) for name in seconds["stage"].values}
     return data, {

@@ -8,6 +8,7 @@ elements' totals (docs/theory/remap.md). What lies outside of the grid is writte
 
 import logging
 import math
+from collections.abc import Mapping
 from functools import partial
 from typing import Literal, cast
 
@@ -20,6 +21,7 @@ from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_grid
 from floeflow.diagnostics.cf_output import describe
 from floeflow.diagnostics.ice_fields import follow, ice_amounts, strain_rates
+from floeflow.diagnostics.surface_forces import surface_forces
 from floeflow.scene import Scene
 from floeflow.state.schema import MOBILE
 from floeflow.state.snapshots import snapshot
@@ -195,7 +197,12 @@ def _near(mobile: xr.Dataset, room: Room) -> NDArray[np.bool_]:
     return near_cells(x, y, radius, room.target, room.target.pairs(x, y, room.reach))
 
 
-def make_grid(scene: Scene, state: xr.Dataset, mask: xr.Dataset) -> xr.Dataset:
+def make_grid(
+    scene: Scene,
+    state: xr.Dataset,
+    mask: xr.Dataset,
+    forcing: Mapping[str, Array] | None = None,
+) -> xr.Dataset:
     """Gridded output of a state, with all that CF asks for.
 
     Parameters
@@ -206,6 +213,8 @@ def make_grid(scene: Scene, state: xr.Dataset, mask: xr.Dataset) -> xr.Dataset:
         State at a window boundary.
     mask : xarray.Dataset
         Mask on the mask grid.
+    forcing : mapping, optional
+        From `floeflow.diagnostics.surface_forces.forcing_at`; without it no forces.
 
     Returns
     -------
@@ -222,4 +231,6 @@ def make_grid(scene: Scene, state: xr.Dataset, mask: xr.Dataset) -> xr.Dataset:
     area = cell_areas(mask, grid.shape)
     room = sea_room(mask, grid, hat_reach(state, grid))
     fields = gridded_fields(state, room, scene.grid.transfer)
+    if forcing:
+        fields |= surface_forces(scene, fields, forcing)
     return describe(scene, state, fields, (area, room.area))

@@ -14,13 +14,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core.constants import ICE_DENSITY
+from floeflow.diagnostics.ice_edge import PACK
 from floeflow.state.snapshots import BONDED
 from floeflow.transfer import Field
 
 Array = NDArray[np.float64]
 
-# Cells with less ice than this are marginal: what is open there are no leads.
-PACK = 0.7
 # Outline of a regular hexagon over the root of its area.
 HEXAGON = float(np.sqrt(8.0 * np.sqrt(3.0)))
 

@@ -19,11 +19,12 @@ from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
 from floeflow.dynamics.engine.energy_check import check_energy
 from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.engine.setup import within_reach
+from floeflow.dynamics.forces import FORCES
 from floeflow.dynamics.ridging.overlaps import rest_overlaps
 from floeflow.dynamics.ridging.ridging import close_areas
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.scene import Scene
-from floeflow.scene.effects import plugin_switches
+from floeflow.scene.effects import ledger_sums, plugin_switches
 from floeflow.state.elements import (
     Arrays,
     carry_drift,
@@ -37,8 +38,6 @@ Report = Callable[..., None]
 
 # Stands in for the step while the step itself is sought.
 _ANY_STEP = 1.0
-_IMPULSES = ("wind", "ocean", "coriolis", "tilt")
-_LOSSES = ("bond", "contact", "friction", "fracture", "ridging")
 
 
 @dataclass
@@ -63,7 +62,8 @@ class Motion:
 def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
     """Parameters of the engine for a scene: SI units, angles in radians."""
     d = scene.dynamics
-    switches: dict[str, bool] = dict.fromkeys(plugin_switches(scene.effects), True)
+    named = plugin_switches(scene.effects)
+    switches = {name: True for name in named if name not in FORCES}
     turned = switches.pop("turning_angle", False)
     return EngineParams(
         time_step=time_step,
@@ -86,6 +86,7 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
         wind_stress_factor=AIR_DENSITY * d.air_drag,
         ocean_stress_factor=SEAWATER_DENSITY * d.ocean_drag,
         turning_angle=math.radians(d.turning_angle) if turned else 0.0,
+        forces=tuple(FORCES[name](scene) for name in named if name in FORCES),
         relative_wind=d.relative_wind,
         # The lines of the coast hold the ice; its elements only bond.
         fixed_contacts="coast" not in scene.effects or scene.packing.coast_bonds,
@@ -152,10 +153,14 @@ def without_fixed(elements: Arrays, contacts: Arrays) -> Arrays:
     return {name: values[both] for name, values in contacts.items()}
 
 
-def engine_forcing(forcing: xr.Dataset, needed: tuple[str, ...]) -> Forcing:
+def engine_forcing(scene: Scene, forcing: xr.Dataset, needed: tuple[str, ...]) -> Forcing:
     """Fields that the engine's switches need, from a window's forcing."""
     fields = {name: forcing[name].values for name in needed}
-    return Forcing(forcing["time"].values, forcing["x"].values, forcing["y"].values, fields)
+    return Forcing(
+        *(forcing["time"].values, forcing["x"].values, forcing["y"].values, fields),
+        over_discs=scene.forcing.at == "cell",
+        wind_stress=scene.forcing.wind_mean == "stress",
+    )
 
 
 def move(
@@ -209,7 +214,7 @@ def move(
         start = float(state.attrs["time"])
         engine.load(elements, bonds, contacts, start, held)
         if params.external:
-            engine.set_forcing(engine_forcing(forcing, params.external))
+            engine.set_forcing(engine_forcing(scene, forcing, params.external))
         first = engine.diagnostics()
         _sample(motion, scene, engine.elements(), first, 0.0)
         if walled:
@@ -295,9 +300,6 @@ def _budget(
     """
     named = len(scene.walls.names) if "walls" in scene.effects else 0
     coast = by_wall[named:].sum(axis=0)
-    on = engine_params(scene)
-    switched = dict(zip(_IMPULSES, (on.wind, on.ocean_drag, on.coriolis, on.tilt), strict=True))
-    kept = [name for name, is_on in switched.items() if is_on]
     budget = {}
     for axis, by_coast in zip("xy", coast, strict=True):
         budget[f"momentum_{axis}_start"] = first[f"momentum_{axis}"]
@@ -306,17 +308,11 @@ def _budget(
             budget[f"impulse_coast_{axis}"] = float(by_coast) - last[f"impulse_fixed_{axis}"]
         if "walls" in scene.effects:
             budget[f"impulse_wall_{axis}"] = last[f"impulse_wall_{axis}"] - float(by_coast)
-        for name in kept:
-            budget[f"impulse_{name}_{axis}"] = last[f"impulse_{name}_{axis}"]
-    for name in kept:
-        budget[f"work_{name}"] = last[f"work_{name}"]
     if "walls" in scene.effects:
         budget["work_wall"] = last["work_wall"]
-    lossy = {"bond": on.bonds, "fracture": on.bonds, "friction": on.friction, "contact": True}
-    lossy["ridging"] = on.ridging
-    for name in _LOSSES:
-        if lossy[name]:
-            budget[f"dissipation_{name}"] = last[f"dissipation_{name}"]
+    # Contacts damp whatever the effects are.
+    for name in ("dissipation_contact", *ledger_sums(scene.effects)):
+        budget[name] = last[name]
     return budget
 
 

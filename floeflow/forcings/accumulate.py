@@ -127,8 +127,15 @@ def intervals(
             + (" without bounds" if means else ": give its rate")
         )
     before = np.concatenate([[2.0 * seconds[0] - seconds[1]], seconds[:-1]])
+    steps = np.diff(seconds)
+    if steps.max() > DAY + SLACK:
+        # ERA5's monthly means of sums are those of a day, others are sums of the month.
+        raise FloeError(
+            f"{path}: '{name}' is a {what} over time whose records are further apart than a day: "
+            f"over which time is not told, give bounds of its times{'' if means else ', or rates'}"
+        )
     if not how:
-        if np.abs(np.diff(seconds) - HOUR).max() > SLACK:
+        if np.abs(steps - HOUR).max() > SLACK:
             raise FloeError(
                 f"{path}: '{name}' is a {what} over time and its records are not hourly: say in "
                 "forcing.accumulation whether it is over the 'hour', the 'step' or the 'day'"
@@ -136,17 +143,16 @@ def intervals(
         how = "hour"
     start = seconds - HOUR if how == "hour" else before
     goes_on, record = np.zeros(seconds.size, dtype=bool), np.arange(seconds.size)
+    known = slice(None)
     if how == "day" and not means:
-        if np.diff(seconds).max() > DAY + SLACK:
-            raise FloeError(
-                f"{path}: '{name}' has records further apart than a day, which cannot be sums "
-                "since midnight: give its rate, or bounds of its times"
-            )
         since = np.mod(before - midnight, DAY)
         goes_on = (since > SLACK) & (since < DAY - SLACK)
         # The first record's rate is known only if its sum began with its own interval.
-        known = slice(1, None) if goes_on[0] else slice(None)
-        start, record, goes_on = start[known], record[known], goes_on[known]
+        known = slice(1, None) if goes_on[0] else known
+    elif how != "hour" and np.ptp(steps) > SLACK:
+        # How far back the first record reaches is known of equal steps alone.
+        known = slice(1, None)
+    start, record, goes_on = start[known], record[known], goes_on[known]
     return Intervals(start, seconds[record], record, goes_on)
 
 

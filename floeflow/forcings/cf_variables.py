@@ -113,6 +113,29 @@ QUANTITIES: dict[str, Quantity] = {
         315.0,
         True,
     ),
+    "sea_floor_depth": Quantity(
+        (
+            "sea_floor_depth_below_geoid",
+            "sea_floor_depth_below_mean_sea_level",
+            "sea_floor_depth_below_sea_surface",
+            "model_sea_floor_depth_below_geoid",
+            "sea_floor_depth",
+        ),
+        ("deptho", "bathymetry", "Bathymetry", "bathy", "h"),
+        "m",
+        0.0,
+        1.2e4,
+        True,
+    ),
+    # As of GEBCO and ETOPO: counted upwards from the sea's surface.
+    "sea_floor_height": Quantity(
+        ("height_above_mean_sea_level", "surface_altitude", "altitude"),
+        ("elevation", "z", "Band1"),
+        "m",
+        -1.2e4,
+        1.2e4,
+        True,
+    ),
     "sea_surface_salinity": Quantity(
         ("sea_surface_salinity",), ("sss", "sos"), "1e-3", 0.0, 50.0, True
     ),

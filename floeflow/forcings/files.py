@@ -6,6 +6,7 @@ from __future__ import annotations
 import glob
 import hashlib
 import zipfile
+from collections.abc import Iterable
 from pathlib import Path
 
 from floeflow.core.atomic_write import write_whole
@@ -16,8 +17,15 @@ UNPACKED = Path("results/inputs")
 
 
 def users_files(scene: Scene) -> tuple[str, ...]:
-    """Files of the user that the forcing is read from; none where it is made by formulae."""
-    return tuple(map(str, forcing_files(scene))) if scene.forcing.source == "file" else ()
+    """Files of the user that a window's forcing is read from, the depth of the sea among them."""
+    files = tuple(map(str, forcing_files(scene))) if scene.forcing.source == "file" else ()
+    return (*files, *depth_files(scene))
+
+
+def depth_files(scene: Scene) -> tuple[str, ...]:
+    """The file of the depth of the sea, of a scene that reads one."""
+    asked = "grounding" in scene.effects and scene.grounding.file
+    return (scene.grounding.file,) if asked else ()
 
 
 def forcing_files(scene: Scene) -> list[Path]:
@@ -29,12 +37,23 @@ def forcing_files(scene: Scene) -> list[Path]:
         Where a pattern meets no file, or an archive holds none.
     """
     given = ([scene.forcing.file] if scene.forcing.file else []) + list(scene.forcing.files)
+    return all_files(given, "forcing.files")
+
+
+def all_files(given: Iterable[str], key: str) -> list[Path]:
+    """Files that names and patterns mean, archives unpacked; ``key`` asked for them.
+
+    Raises
+    ------
+    FloeError
+        Where a pattern meets no file, or an archive holds none.
+    """
     found: list[Path] = []
     for entry in given:
         matches = [Path(item) for item in sorted(glob.glob(entry))]
         if not matches:
             if any(sign in entry for sign in "*?["):
-                raise FloeError(f"forcing.files: no file is named as {entry}")
+                raise FloeError(f"{key}: no file is named as {entry}")
             matches = [Path(entry)]
         for path in matches:
             archive = path.suffix.lower() == ".zip" and not path.name.endswith(".zarr.zip")

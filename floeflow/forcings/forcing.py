@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from floeflow.core import area_means as areas
 from floeflow.core import interpolate, vectors
-from floeflow.core.constants import EARTH_ROTATION
 from floeflow.core.errors import FloeError
 from floeflow.core.fields import AnySource
 from floeflow.core.grids import Grid, scene_crs, scene_grid, to_lonlat
@@ -28,9 +27,10 @@ from floeflow.forcings import cf_variables as names
 from floeflow.forcings import fallback
 from floeflow.forcings.accumulate import Rates
 from floeflow.forcings.climatology import window_forcing
+from floeflow.forcings.fixed_fields import FIXED
 from floeflow.forcings.moisture import dew_point_humidity, snow_of_precipitation
 from floeflow.forcings.sources import Sources, find_sources, forcing_hints
-from floeflow.forcings.tracks import InputFile, Track, open_files
+from floeflow.forcings.tracks import InputFile, Track, open_files, same_grid
 from floeflow.scene.blocks import Scene
 from floeflow.scene.effects import forcing_variables
 
@@ -47,7 +47,6 @@ FINER = 2.2
 UNITS = {
     "wind": "m s-1",
     "ocean": "m s-1",
-    "coriolis": "s-1",
     "air_temperature": "K",
     "specific_humidity": "kg kg-1",
     "air_pressure": "Pa",
@@ -56,6 +55,7 @@ UNITS = {
     "snowfall": "kg m-2 s-1",
     "ocean_heat_flux": "W m-2",
     "sea_surface_temperature": "K",
+    **{name: unit for name, (_, unit) in FIXED.items()},
 }
 
 
@@ -179,6 +179,14 @@ def _vector(
     speed = float(np.nanmax(np.abs(fastest), initial=0.0))
     if speed > high:
         raise FloeError(f"{said} reach {speed:g} m/s, above {high:g}: check their units")
+    stress = name == "wind" and places.scene.forcing.wind_mean == "stress"
+    if stress:
+        if not together or not same_grid(*sources):
+            raise FloeError(
+                f"{said} do not stand at the same points, so that the wind's stress there is not "
+                "known: set forcing.wind_mean to velocity"
+            )
+        raw = [np.hypot(*raw) * part for part in raw]
     u, v = np.zeros(1), np.zeros(1)
     for number, (track, plan, values) in enumerate(zip(pair, plans, raw, strict=True)):
         angle = vectors.component_angle(sources[number], places.crs, east_north, number == 1)
@@ -190,6 +198,9 @@ def _vector(
             f"{said} cannot be turned to the axes of '{places.scene.domain.crs}' everywhere in "
             "the scene"
         )
+    if stress:
+        root = np.sqrt(np.hypot(u, v))
+        u, v = (part / np.where(root > 0.0, root, 1.0) for part in (u, v))
     return plans[0].seconds, u, v
 
 
@@ -225,7 +236,7 @@ def make_forcing(
     paths = [Path(source)] if isinstance(source, str | Path) else [Path(item) for item in source]
     span = window_span(window, scene.time.window)
     places = places_of(scene, span)
-    grid, lat = places.grid, places.lat
+    grid = places.grid
     files = open_files(paths, forcing_hints(scene))
     try:
         found = find_sources(scene, files)
@@ -241,8 +252,9 @@ def make_forcing(
         made |= fallback.fields(scene, name, stand_in, time)
         said[name] = f"forcing.fallback: {stand_in}"
     made |= _derived(made)
-    if "coriolis" in forcing_variables(scene.effects):
-        made["coriolis"] = 2.0 * EARTH_ROTATION * np.sin(np.radians(lat))
+    made |= {
+        name: FIXED[name][0](scene) for name in forcing_variables(scene.effects) if name in FIXED
+    }
     for name, text in said.items():
         log.info("%s: %s", name, text)
     return _dataset(scene, grid, time, made, window, said)
@@ -276,7 +288,8 @@ def describe(item: Track | tuple[Track, Track]) -> str:
     level = first.level()
     kinds = {"mean": "means over time", "sum": "sums over time"}
     extra = [kinds[first.kind]] if first.kind in kinds else []
-    return "; ".join([f"{whole} of {first.path}", *([level] if level else []), *extra])
+    said = [each for each in (level, *extra, first.note()) if each]
+    return "; ".join([f"{whole} of {first.path}", *said])
 
 
 def _derived(made: dict[str, Array]) -> dict[str, Array]:
@@ -299,10 +312,9 @@ def _dataset(
 ) -> xr.Dataset:
     data_vars = {}
     for name in forcing_variables(scene.effects):
-        dims = ("y", "x") if name == "coriolis" else ("time", "y", "x")
-        values = np.ascontiguousarray(made[name]).reshape(
-            grid.shape if name == "coriolis" else (time.size, *grid.shape)
-        )
+        dims = ("y", "x") if name in FIXED else ("time", "y", "x")
+        shape = grid.shape if name in FIXED else (time.size, *grid.shape)
+        values = np.ascontiguousarray(made[name]).reshape(shape)
         units = UNITS[name.removesuffix("_u").removesuffix("_v")]
         data_vars[name] = (dims, values, {"units": units})
     log.info("window %d: %d times, %d variables", window, time.size, len(data_vars))

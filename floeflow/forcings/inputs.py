@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from floeflow.core import cf_reading as cf
-from floeflow.forcings.files import forcing_files
+from floeflow.forcings.files import depth_files, forcing_files
+from floeflow.forcings.fixed_fields import sea_floor_depth
 from floeflow.forcings.forcing import describe, places_of
 from floeflow.forcings.sources import Sources, find_sources, forcing_hints
 from floeflow.forcings.tracks import Track, open_files
@@ -50,7 +51,8 @@ def described(scene: Scene) -> list[str]:
 def check_forcing_file(scene: Scene) -> None:
     """Refuse forcing files that the forcing stage could not use.
 
-    Does nothing where the forcing is analytic.
+    Does nothing where the forcing is analytic. The depth of the sea is read, whatever the source
+    of the forcing is.
 
     Raises
     ------
@@ -58,6 +60,8 @@ def check_forcing_file(scene: Scene) -> None:
         One sentence: no file, not readable, quantities missing, units unknown, no map, a level
         that is no surface, or a time axis that does not cover the scene.
     """
+    if depth_files(scene):
+        sea_floor_depth(scene)
     if scene.forcing.source != "file":
         return
     with opened(scene) as found:

@@ -10,6 +10,7 @@ from floeflow.core import cf_reading as cf
 from floeflow.core.errors import FloeError
 from floeflow.core.input_files import Hints
 from floeflow.forcings import cf_variables as names
+from floeflow.forcings.fixed_fields import FIXED
 from floeflow.forcings.tracks import Clock, InputFile, Track
 from floeflow.scene.blocks import Scene
 from floeflow.scene.effects import forcing_variables
@@ -19,6 +20,8 @@ SUBSTITUTES = {
     "specific_humidity": ("dew_point", "air_pressure"),
     "snowfall": ("precipitation", "air_temperature"),
 }
+# Heights above the ground (m) of winds, and of temperature and humidity, where a file has several.
+WIND_HEIGHT, AIR_HEIGHT = 10.0, 2.0
 # Quantities that forcing.weather always stands in for: few files have them, and they matter little.
 DEFAULTS = ("ocean_heat_flux", "air_pressure")
 
@@ -56,8 +59,8 @@ def forcing_hints(scene: Scene) -> Hints:
     return Hints("forcing", scene.forcing.crs)
 
 
-def find_sources(scene: Scene, files: Sequence[InputFile]) -> Sources:
-    """Look for what the effects need.
+def find_sources(scene: Scene, files: Sequence[InputFile], advise: bool = True) -> Sources:
+    """Look for what the effects need; ``advise`` adds which keys of a scene help.
 
     Raises
     ------
@@ -69,7 +72,7 @@ def find_sources(scene: Scene, files: Sequence[InputFile]) -> Sources:
     wanted = dict.fromkeys(
         name.rsplit("_", 1)[0] if name.endswith(("_u", "_v")) else name
         for name in forcing_variables(scene.effects)
-        if name != "coriolis"
+        if name not in FIXED
     )
     for name in wanted:
         if name in names.VECTORS:
@@ -77,7 +80,11 @@ def find_sources(scene: Scene, files: Sequence[InputFile]) -> Sources:
         else:
             search.scalar(name)
     if search.missing:
-        raise FloeError(f"{label(files)}: has " + "; ".join(search.missing) + search.advice())
+        raise FloeError(
+            f"{label(files)}: has "
+            + "; ".join(search.missing)
+            + (search.advice() if advise else "")
+        )
     return Sources(search.tracks, search.east_north, search.fallbacks)
 
 
@@ -110,7 +117,10 @@ class _Search:
             variable = names.find_scalar(file.variables, name, file.path)
             if variable is not None:
                 summed = names.scalar_conversion(variable, quantity, file.path)[2]
-                return Track(self.files[number:], variable.name, summed, quantity.ocean, self.clock)
+                return Track(
+                    *(self.files[number:], variable.name, summed, quantity.ocean, self.clock),
+                    AIR_HEIGHT,
+                )
         return None
 
     def scalar(self, name: str) -> None:
@@ -147,7 +157,7 @@ class _Search:
         fault: FloeError | None = None
         for number, file in enumerate(self.files):
             try:
-                found = names.find_vector(file.variables, name, file.path)
+                found = names.find_vector(file.variables, name, file.path, file.on_lonlat)
             except FloeError as error:
                 fault = fault or error
                 continue
@@ -191,6 +201,7 @@ class _Search:
         pair = []
         for part, rest in zip((found.u, found.v), files, strict=True):
             names.conversion(rest[0].variables[part.name], names.VECTOR_UNITS, rest[0].path)
-            pair.append(Track(rest, part.name, False, names.VECTORS[name].ocean, self.clock))
+            ocean = names.VECTORS[name].ocean
+            pair.append(Track(rest, part.name, False, ocean, self.clock, WIND_HEIGHT))
         self.tracks[name] = (pair[0], pair[1])
         self.east_north[name] = found.east_north

@@ -8,7 +8,6 @@ cell methods, units, GRIB's step type and the names of ERA5's mean rates.
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -19,7 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core import cf_reading as cf
-from floeflow.core import fields, times, units
+from floeflow.core import fields, levels, times, units
 from floeflow.core.errors import FloeError
 from floeflow.core.input_files import Hints
 from floeflow.forcings import cf_variables
@@ -34,8 +33,6 @@ from floeflow.forcings.accumulate import (
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-log = logging.getLogger(__name__)
 
 # Records further apart than so many of their usual steps leave a gap.
 GAP = 1.5
@@ -72,6 +69,10 @@ class InputFile:
     def layout(self, variable: cf.Variable) -> cf.Layout:
         """Roles of a variable's dimensions."""
         return cf.layout(self.variables, variable, self.path)
+
+    def on_lonlat(self, variable: cf.Variable) -> bool:
+        """Whether a variable lies on longitude and latitude."""
+        return self.layout(variable).lonlat
 
     def source(self, variable: cf.Variable) -> fields.AnySource:
         """Grid of a variable; variables on the same one share it."""
@@ -130,14 +131,23 @@ class Track:
         Whether it belongs to the sea.
     clock : Clock
         Of the scene.
+    height : float
+        Above the ground (m), where it is wanted; see `levels.surface`.
     """
 
     def __init__(
-        self, files: Sequence[InputFile], name: str, summed: bool, ocean: bool, clock: Clock
+        self,
+        files: Sequence[InputFile],
+        name: str,
+        summed: bool,
+        ocean: bool,
+        clock: Clock,
+        height: float = 0.0,
     ) -> None:
         self.first = files[0]
         self.variable = self.first.variables[name]
         self.path, self.name, self.ocean, self.clock = self.first.path, name, ocean, clock
+        self.height = height
         self.layout = self.first.layout(self.variable)
         same = [file for file in files if name in file.variables]
         self.files = same if self.layout.time else same[:1]
@@ -180,27 +190,46 @@ class Track:
             return "instant"
         if summed:
             return "sum"
+        over_time = self._methods()
+        step_type = self.variable.text("GRIB_stepType")
+        if "point" in over_time or step_type == "instant":
+            return "instant"
+        if self.bounds is not None or era5_mean(self.variable) or step_type.startswith("avg"):
+            return "mean"
+        return "instant"
+
+    def _methods(self) -> set[str]:
+        """What the cell methods say of time."""
         methods = self.variable.text("cell_methods").replace(" ", "")
-        over_time = {
+        return {
             part for part in ("point", "mean", "sum") for dim in ("time", self.layout.time)
             if f"{dim}:{part}" in methods
         }  # fmt: skip
-        if "point" in over_time or self.variable.text("GRIB_stepType") == "instant":
-            return "instant"
-        if self.bounds is not None or era5_mean(self.variable):
-            return "mean"
-        if "mean" in over_time:
-            log.warning(
-                "%s: '%s' is a mean over time without bounds: taken as of the middle of each",
-                self.path,
-                self.name,
-            )
-        return "instant"
+
+    def note(self) -> str:
+        """What is taken for granted of the records' times, for people; empty for nothing."""
+        if not self.layout.time or self.bounds is not None:
+            return ""
+        if self.kind != "instant":
+            how = self._how() or "hour"
+            over = {"hour": "the hour before", "step": "the step before", "day": "the day so far"}
+            return f"no bounds: taken as over {over[how]} of each record"
+        daily = self.seconds.size > 1 and np.median(np.diff(self.seconds)) > times.DAY - SLACK
+        if "mean" in self._methods() or (daily and "point" not in self._methods()):
+            return "no bounds: taken as of its stamps, as if these were the middles of its times"
+        return ""
 
     @property
     def where(self) -> tuple[Path, str]:
         """File and variable, for sentences."""
         return self.path, self.name
+
+    def cover(self) -> tuple[float, float]:
+        """First and last time that the records tell of (s)."""
+        if self.kind == "instant":
+            return float(self.seconds[0]), float(self.seconds[-1])
+        found = self._intervals()
+        return float(found.start[0]), float(found.end[-1])
 
     def records(self, span: tuple[float, float]) -> Rates:
         """The records that make values over a span (s), and when.
@@ -234,13 +263,22 @@ class Track:
                 f"{self.clock.days_off:g}"
             )
 
+    def _how(self) -> str:
+        """Over what sums and means without bounds are; empty: hourly records, each of its hour."""
+        # ERA5's means are of the hour before, however far apart a file's records are.
+        era5 = self.kind == "mean" and not self.variable.text("GRIB_stepType").startswith("avg")
+        return self.clock.accumulation or ("hour" if era5 else "")
+
     def _intervals(self) -> Intervals:
+        if self.kind == "sum" and self.variable.text("GRIB_stepType").startswith("avg"):
+            raise FloeError(
+                f"{self.path}: '{self.name}' is a mean of sums over time (GRIB step type "
+                f"{self.variable.text('GRIB_stepType')}), such as ERA5's monthly means of a day's "
+                "sums: give it as a rate"
+            )
         if self.bounds is None:
             means = self.kind == "mean"
-            # ERA5's means are of the hour before, however far apart a file's records are.
-            era5 = means and self.variable.text("GRIB_stepType") != "avg"
-            how = self.clock.accumulation or ("hour" if era5 else "")
-            return intervals(self.seconds, how, self.clock.midnight, self.where, means)
+            return intervals(self.seconds, self._how(), self.clock.midnight, self.where, means)
         start, end = self.bounds
         goes_on = np.zeros(start.size, dtype=bool)
         if self.kind == "sum":
@@ -259,14 +297,10 @@ class Track:
             source = file.source(variable)
             if piece and not same_grid(source, self.source()):
                 raise FloeError(f"{file.path}: '{self.name}' is not on the grid of {self.path}")
+            layout, level = file.layout(variable), self._level(file)
             parts[rows] = fields.read_values(
-                file.data,
-                self.name,
-                file.layout(variable),
-                source,
-                self.local[index][rows],
-                file.path,
-                self.ocean,
+                *(file.data, self.name, layout, source, self.local[index][rows], file.path),
+                None if level is None else level.index,
             )
         return parts
 
@@ -276,8 +310,14 @@ class Track:
 
     def level(self) -> str:
         """The level that is read, for people; empty where the variable has none."""
-        found = fields.surface_level(self.first.data, self.name, self.layout, self.ocean, self.path)
+        found = self._level(self.first)
         return found.said if found else ""
+
+    def _level(self, file: InputFile) -> levels.Level | None:
+        layout = file.layout(file.variables[self.name])
+        return fields.surface_level(
+            file.data, self.name, layout, self.ocean, file.path, self.height
+        )
 
 
 def check_alike(one: cf.Variable, path: Path, other: cf.Variable, other_path: Path) -> None:

@@ -31,6 +31,9 @@ Flags = NDArray[np.bool_]
 
 log = logging.getLogger(__name__)
 
+# Ice that a map does not have is told of from this share of all ice on.
+TOLD = 0.005
+
 
 @dataclass
 class _Placed:
@@ -124,6 +127,7 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     siconc[land | (siconc < scene.mask.minimum_concentration)] = 0.0
     area = cell_area(grid, crs)
     notes += _cut(scene, grid, siconc, area)
+    notes += _guesses(placed, siconc * area, land)
     siconc, sithick = _with_thickness(scene, placed, siconc, lon, lat)
     for note in notes:
         log.info("%s", note)
@@ -136,6 +140,22 @@ def make_mask(scene: Scene, land_fraction: Array | None) -> xr.Dataset:
     made = _dataset(scene, grid.x, grid.y, siconc, sithick, land, area)
     made.attrs["notes"] = "\n".join(notes)
     return made
+
+
+def _guesses(placed: _Placed, ice: Array, land: Flags) -> list[str]:
+    """What a map does not tell by itself: ice where it has no value, and no land at all."""
+    found, path, mask = [], placed.file.path, placed.scene.mask
+    known = placed.transfer.of(np.isfinite(placed.share).astype(float)).reshape(placed.shape)
+    filled, total = float((ice * np.clip(1.0 - known, 0.0, 1.0))[~placed.beyond].sum()), ice.sum()
+    if filled > TOLD * total:
+        found.append(
+            f"{filled / 1e6:.4g} km2 of the ice ({100.0 * filled / total:.1f} %) lie where {path} "
+            f"has no value, and are as the nearest within {mask.fill_reach / 1e3:g} km "
+            "(mask.fill_reach); where a file leaves open water out, name mask.water"
+        )
+    if mask.land == "mask" and not land.any():
+        found.append(f"{path} tells of no land in the scene: all of it is sea")
+    return found
 
 
 def _shore(scene: Scene, grid: Grid) -> Flags:

@@ -33,6 +33,8 @@ CONCENTRATION = "sea_ice_area_fraction"
 # Floats overshoot by what models leave; packed numbers by their rounding alone.
 TOLERANCE = 0.01
 MOST_THICKNESS = 50.0
+# Units of per cent and no value above this: such a map may be either.
+LEAST_SHARE = 0.5
 
 
 def mask_hints(scene: Scene) -> Hints:
@@ -204,11 +206,11 @@ def share_factor(variable: cf.Variable, path: str | Path) -> float:
     return found[0]
 
 
-def as_share(found: Values, variable: cf.Variable, path: str | Path) -> Array:
-    """Concentration as a share.
+def as_share(found: Values, variable: cf.Variable, path: str | Path) -> tuple[Array, str]:
+    """Concentration as a share, and what was taken for granted, empty for nothing.
 
     Per cent is told by the units, but files are known whose units say per cent and whose values
-    are shares: where no value is above 1, they are taken as shares.
+    are shares: where no value is above 1 but some are above a half, they are taken as shares.
 
     Parameters
     ----------
@@ -222,25 +224,34 @@ def as_share(found: Values, variable: cf.Variable, path: str | Path) -> Array:
     Raises
     ------
     FloeError
-        Where units are unknown or values lie outside 0..1 by more than a packing's rounding.
+        Where units are unknown or do not tell, or values lie outside 0..1 by more than a packing's
+        rounding.
     """
     factor, values, given = share_factor(variable, path), found.values, variable.text("units")
-    what = f"{path}: variable '{variable.name}'"
+    what, said = f"{path}: variable '{variable.name}'", ""
     known = values[np.isfinite(values)]
     low, high = float(known.min()), float(known.max())
     slack = found.rounding * (1.0 + 1e-9) if found.rounding else TOLERANCE
+    if factor != 1.0 and 0.0 < high <= LEAST_SHARE:
+        raise FloeError(
+            f"{what} has units '{given}' but no value above {high:g}: say in mask.scale whether 1 "
+            "is all ice (mask.scale: 1) or one per cent (mask.scale: 0.01)"
+        )
     if factor != 1.0:
         if high > 1.0 + slack:
             values, low, high = values * factor, low * factor, high * factor
             slack = factor * slack if found.rounding else TOLERANCE
-        else:
-            log.warning("%s: units say '%s' but no value is above 1: taken as shares", what, given)
+        elif high > 0.0:
+            said = (
+                f"the units of '{variable.name}' say '{given}' but no value is above 1: taken as "
+                "shares, 1 for all ice; with mask.scale: 0.01 it would be one per cent"
+            )
     if low < -slack or high > 1.0 + slack:
         raise FloeError(
             f"{what} (units '{given}') reaches from {low:g} to {high:g} as a share, outside 0..1: "
             "check its units and its missing values; numbers that are flags go to mask.flags"
         )
-    return np.clip(values, 0.0, 1.0)
+    return np.clip(values, 0.0, 1.0), said
 
 
 def as_metres(values: Array, variable: cf.Variable, path: str | Path) -> Array:
@@ -319,10 +330,12 @@ def read_mask_file(scene: Scene) -> MaskFile:
         thickness = as_metres(found["thickness"].values[0], variable, path)
         kind = thickness_kind(scene.mask.thickness_is, variable, path)
         notes += (f"'{variable.name}' is taken as {kind}",)
+    share, said = as_share(raw, first.variable, path)
+    notes += (said,) if said else ()
     return MaskFile(
         path,
         source,
-        as_share(raw, first.variable, path)[0],
+        share[0],
         thickness,
         kind,
         np.isfinite(found["water"].values[0]) if "water" in found else None,

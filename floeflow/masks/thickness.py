@@ -36,6 +36,7 @@ WORDS = (
     ("cell mean", CELL_MEAN),
     ("effective thickness", CELL_MEAN),
     ("effective sea ice thickness", CELL_MEAN),
+    ("effective ice thickness", CELL_MEAN),
     ("volume per", CELL_MEAN),
     ("per unit area", CELL_MEAN),
     ("per grid cell area", CELL_MEAN),

@@ -39,6 +39,8 @@ class Material:
         ``diagnostics.nc``.
     numbers : mapping
         ``diagnostics.json``.
+    analyses : xarray.Dataset
+        ``analyses.nc``.
     first_state, last_state : xarray.Dataset
         States at start and end.
     grid : xarray.Dataset or None
@@ -59,6 +61,7 @@ class Material:
 
     diagnostics: xr.Dataset
     numbers: Mapping[str, Any]
+    analyses: xr.Dataset
     first_state: xr.Dataset
     last_state: xr.Dataset
     grid: xr.Dataset | None
@@ -94,21 +97,21 @@ CHAPTERS = (
         "bonds",
         "Bonds and floes",
         "",
-        ("elements_bonds", "series_bonds"),
+        ("elements_bonds", "series_bonds", "floe_"),
     ),
     (
         "motion",
         "Motion and deformation",
         "",
         ("elements_speed", "elements_displacement", "series_speed", "series_displacement")
-        + ("series_energy", "series_walls"),
+        + ("series_energy", "series_walls", "motion_"),
     ),
     (
         "ice",
         "Ice",
         "Each element is drawn as its cell of the tessellation, carried and turned with it; coast "
         "elements are dark grey, land light grey. Maps of one quantity share their colour scale.",
-        ("elements_", "series_"),
+        ("elements_", "series_", "ice_"),
     ),
 )
 
@@ -156,9 +159,12 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
     pictures = [
         *gallery.element_pictures(easel, scene, frame, first, last, material.packing),
         *gallery.series_pictures(easel, scene, material.diagnostics),
+        *gallery.analysis_pictures(easel, scene, material.analyses),
         *gallery.budget_pictures(easel, budgets),
     ]
-    chapters, bars = make_chapters(pictures, summary.facts(headline, scene))
+    facts = summary.facts(headline, scene)
+    facts["motion"] += summary.motion_facts(material.analyses)
+    chapters, bars = make_chapters(pictures, facts)
     notes = str(material.mask.attrs.get("notes", "")).splitlines()
     return render(
         {

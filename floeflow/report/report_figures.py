@@ -8,7 +8,8 @@ Pairs of maps that are to be compared share their colour scale.
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator, Mapping, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from pathlib import Path
@@ -18,8 +19,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from floeflow.core.extensions import load_extensions
 from floeflow.diagnostics.collect import displacement
 from floeflow.diagnostics.run_cost import Stage
+from floeflow.report.figures.analyses import analysis_figures
 from floeflow.report.figures.bonds import bond_map, follows_start
 from floeflow.report.figures.budgets import budget_figure
 from floeflow.report.figures.cost import cost_figure
@@ -162,10 +165,29 @@ def _displacement_picture(
     return easel.picture("elements_displacement", caption, figure)
 
 
+# Charts that extensions add: name, caption and figure of each, from scene and ``diagnostics.nc``.
+Charts = Callable[[Scene, xr.Dataset], Iterator[tuple[str, str, Figure]]]
+ADDED: list[Charts] = []
+
+
+def charts(function: Charts) -> Charts:
+    """Register a function that draws further charts of the series."""
+    ADDED.append(function)
+    return function
+
+
 def series_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Picture]:
-    """Time series that the scene's effects bring."""
+    """Time series that the scene's effects bring, and those of extensions."""
+    load_extensions()
     start = f"{scene.time.start:%Y-%m-%d %H:%M}"
-    for name, caption, figure in series_figures(data, start, scene.effects):
+    drawn = [series_figures(data, start, scene.effects), *(each(scene, data) for each in ADDED)]
+    for name, caption, figure in itertools.chain(*drawn):
+        yield easel.chart(name, caption, figure)
+
+
+def analysis_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Picture]:
+    """Analyses of ice and motion, as far as the run supports them."""
+    for name, caption, figure in analysis_figures(data, scene.time.start):
         yield easel.chart(name, caption, figure)
 
 

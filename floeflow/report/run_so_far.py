@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import xarray as xr
@@ -19,9 +19,10 @@ from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.coupling import resume
 from floeflow.coupling.chunk import join_series
+from floeflow.diagnostics.analyses import Analyses
 from floeflow.diagnostics.cf_output import join_times
 from floeflow.diagnostics.collect import read_grid
-from floeflow.diagnostics.diagnostics import RunFiles, diagnose, write_json
+from floeflow.diagnostics.diagnostics import RunFiles, analyse, diagnose, write_json
 from floeflow.diagnostics.gridded import make_grid
 from floeflow.diagnostics.study_summaries import read_digest
 from floeflow.report.report import Material, build_report, read_numbers
@@ -176,12 +177,14 @@ def report_so_far(folder: Path) -> str:
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
         files = _files(run, scratch)
-        data, numbers = diagnose(files, scene.effects, scene.domain)
+        analyses = Analyses(scene)
+        data, numbers = diagnose(files, scene.effects, scene.domain, analyses)
         write_json(numbers, scratch / "diagnostics.json")
         estimates = folder / "effects.json"
         material = Material(
             diagnostics=data,
             numbers=read_numbers(scratch / "diagnostics.json"),
+            analyses=analyse(replace(files, last=state), analyses),
             first_state=read_state(files.first),
             last_state=read_state(state),
             grid=read_grid(files.grid) if files.grid else None,

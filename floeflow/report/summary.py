@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
+import xarray as xr
+
 from floeflow.diagnostics.collect import SIDES
 from floeflow.report.figures.series import AREA_UNITS, VOLUME_UNITS
 from floeflow.report.report_text import DASH, duration, number, with_unit
@@ -245,3 +247,24 @@ def facts(numbers: Mapping[str, Any], scene: Scene) -> dict[str, list[Fact]]:
         if key in numbers:
             made["bonds"].append(Fact(label, numbers[key], "", f"diagnostics.nc: {source}"))
     return made
+
+
+def motion_facts(analyses: xr.Dataset) -> list[Fact]:
+    """How the pack drifts with the wind, as far as the run tells."""
+    if "wind_factor" not in analyses:
+        return []
+    factor, turning = (
+        float(analyses[f"wind_{name}"].values[0, 0]) for name in ("factor", "turning")
+    )
+    if not math.isfinite(factor):
+        return []
+    ice = "of pack ice (80 % and more)"
+    return [
+        Fact(f"Drift over wind at 10 m, {ice}", 100.0 * factor, "%", "analyses.nc: wind_factor"),
+        Fact(
+            f"Turning to the left of the wind, {ice}",
+            math.degrees(turning),
+            "°",
+            "analyses.nc: wind_turning",
+        ),
+    ]

@@ -10,17 +10,11 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    PrivateAttr,
-    StringConstraints,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import PrivateAttr, StringConstraints, WithJsonSchema, model_validator
 
+from floeflow.scene.block import Block, key
 from floeflow.scene.effects import EFFECTS
+from floeflow.scene.physics import ColumnPhysics
 from floeflow.scene.softness import softened
 
 # A plus sign stands in the names of studies' variants, which no user gives.
@@ -37,27 +31,8 @@ EffectNames = Annotated[
 ]
 
 
-def key(default: Any, text: str, unit: str = "", derived: bool = False, **bounds: Any) -> Any:
-    """Declare a key: its default, one line of help, its unit, its bounds.
-
-    A derived one follows from other keys where it is not named.
-    """
-    extra: dict[str, Any] = {"unit": unit} if unit else {}
-    extra |= {"derived": True} if derived else {}
-    return Field(default, description=text, json_schema_extra=extra or None, **bounds)
-
-
-# No projection of the earth reaches further (m); no path or paragraph is longer.
+# No projection of the earth reaches further (m).
 FARTHEST = 2.0e8
-LONGEST_TEXT = 4000
-
-
-class Block(BaseModel):
-    """A group of keys. Unknown keys and non-finite numbers are refused; values do not change."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, str_max_length=LONGEST_TEXT
-    )
 
 
 class Domain(Block):
@@ -114,7 +89,11 @@ class Mask(Block):
     )
     flags: Flags = key(Flags(), "Stored numbers that are no concentration.")
     scale: float = key(
-        0.0, "Share of ice in one count of a file of bare numbers, as a PNG; 0: none.", "1", ge=0
+        0.0,
+        "Share of ice that 1 in the file means, as in a PNG of bare counts, or where units are not "
+        "to be trusted; 0: as its units say.",
+        "1",
+        ge=0,
     )
     days_off: float = key(
         16.0, "A mask further from the scene's start than this is refused.", "day", ge=0
@@ -380,6 +359,16 @@ class Forcing(Block):
         "the day so far (ERA5-Land); empty: hourly records, each of its hour.",
     )
     step: float = key(21600.0, "Time between fields that are not read from a file.", "s", gt=0)
+    at: Literal["centre", "cell"] = key(
+        "centre",
+        "What elements meet of wind, current and weather: what is at their centres, or the means "
+        "over their discs, at some cost (docs/forcing.md).",
+    )
+    wind_mean: Literal["velocity", "stress"] = key(
+        "velocity",
+        "What means of the wind and what lies between its points keep: its velocity, or its stress "
+        "(speed times velocity), which gusts and turns within a cell raise.",
+    )
     cyclone: Cyclone = key(Cyclone(), "Wind of the analytic forcing.")
     gyre: Gyre = key(Gyre(), "Current of the analytic forcing.")
     weather: Weather = key(Weather(), "Weather of the analytic forcing.")
@@ -614,6 +603,42 @@ class Gates(Block):
     )
 
 
+class Grounding(Block):
+    """Ridges whose keels reach the seabed hold the ice (effect grounding)."""
+
+    file: str = key(
+        "",
+        "File with the depth of the sea, or the height of the ground (below 0 at sea); path from "
+        "the project's folder; empty: depth.",
+    )
+    variable: str = key(
+        "", "Its variable; empty: the one whose standard_name or common name is that of a depth."
+    )
+    crs: str = key("", "Projection of x and y in a file that names none (pyproj name).")
+    depth: float = key(
+        0.0, "Depth of the sea everywhere, where no file is named.", "m", ge=0, le=12_000
+    )
+    keel_ratio: float = key(
+        8.0,
+        "Depth that keels reach, over the mean thickness of ice that covers all (k1 of Lemieux et "
+        "al. 2015).",
+        "1",
+        gt=0,
+        le=100,
+    )
+    strength: float = key(
+        15.0,
+        "Largest seabed stress for each metre of mean thickness above the critical one (k2).",
+        "N/m3",
+        ge=0,
+        le=1e4,
+    )
+    creep: float = key(5.0e-5, "Speed at which half of that stress acts (u0).", "m/s", gt=0, le=1.0)
+    openness: float = key(
+        20.0, "Open water weakens the stress: by exp(-20 (1 - A)) at concentration A.", "1", ge=0
+    )
+
+
 class Remap(Block):
     """When distorted elements are replaced by fresh ones (effect remap)."""
 
@@ -718,9 +743,11 @@ class Scene(Block):
     dynamics: Dynamics = key(Dynamics(), "Which mechanics.")
     walls: Walls = key(Walls(), "Which walls.")
     column: Column = key(Column(), "Which thermodynamics.")
+    physics: ColumnPhysics = key(ColumnPhysics(), "Which constants of the columns.")
     sea: Sea = key(Sea(), "Which sea.")
     rims: Rims = key(Rims(), "What happens at the sides of the rectangle.")
     gates: Gates = key(Gates(), "Where passing ice is counted.")
+    grounding: Grounding = key(Grounding(), "Where ridges reach the seabed.")
     remap: Remap = key(Remap(), "When elements are remapped.")
     merge: Merge = key(Merge(), "When elements are merged.")
     state: State = key(State(), "How the state is kept.")

@@ -3,16 +3,22 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from typing import TYPE_CHECKING
 
 from floeflow.core.errors import FloeError
+from floeflow.scene.physics import unread_keys
 from floeflow.scene.windows import window_chunks
 
 if TYPE_CHECKING:
     from floeflow.scene.blocks import Scene
 
 MAX_CELLS = 4_000_000
+# Mush of fresher water holds liquid that nothing freezes (1e-3).
+LEAST_SALINITY = 0.5
+
+log = logging.getLogger(__name__)
 
 
 def check_combinations(scene: Scene) -> None:
@@ -41,6 +47,8 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("gates.names and gates.lines must be as many")
     if "gates" in scene.effects and not scene.gates.names:
         raise FloeError("effects: 'gates' is named but gates.names names none")
+    if "grounding" in scene.effects and not (scene.grounding.file or scene.grounding.depth):
+        raise FloeError("effects: 'grounding' needs grounding.file or a grounding.depth above 0")
     given = scene.forcing.file or scene.forcing.files
     if scene.forcing.source == "file" and not given:
         raise FloeError("forcing.source is 'file' but forcing.file and forcing.files name none")
@@ -53,6 +61,14 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("mask.land is 'mask' but mask.file names none")
     if "ponds" in scene.effects and scene.column.scheme == "zero_layer":
         raise FloeError("effect 'ponds' needs column.scheme 'bl99' or 'mushy'")
+    if scene.column.scheme == "mushy" and scene.column.ocean_salinity < LEAST_SALINITY:
+        raise FloeError(
+            f"column.ocean_salinity must be {LEAST_SALINITY:g} or more with column.scheme 'mushy': "
+            "fresh water makes no mush"
+        )
+    ponds, light = "ponds" in scene.effects, scene.column.light
+    for name in unread_keys(scene.physics, scene.column.scheme, light, ponds):
+        log.warning("physics.%s is given, but this scheme, light and effects do not read it", name)
     if "redistribution" in scene.effects and scene.column.categories < 2:
         raise FloeError("effect 'redistribution' needs column.categories of 2 or more")
     _check_generator(scene)

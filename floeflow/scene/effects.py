@@ -35,6 +35,8 @@ class Effect:
         Effects without which it makes no sense.
     plugin : tuple of str
         Switches it sets in the LIGGGHTS plugin.
+    ledger : tuple of str
+        Sums of the plugin that it adds to a window's budget; an ``impulse_`` has two components.
     column : tuple of str
         Processes it adds to the column.
     forcing : tuple of str
@@ -60,6 +62,7 @@ class Effect:
     source: str
     needs: tuple[str, ...] = ()
     plugin: tuple[str, ...] = ()
+    ledger: tuple[str, ...] = ()
     column: tuple[str, ...] = ()
     forcing: tuple[str, ...] = ()
     state: tuple[str, ...] = ()
@@ -113,6 +116,7 @@ _REGISTERED = (
         physics="Quadratic wind stress on the ice-covered part of each element.",
         source="Hibler 1979; Turner et al. 2022",
         plugin=("wind",),
+        ledger=("impulse_wind", "work_wind"),
         forcing=("wind_u", "wind_v"),
         diagnostics=("impulse_wind",),
     ),
@@ -121,6 +125,7 @@ _REGISTERED = (
         physics="Quadratic drag against the current, fully implicit, and drag on the spin.",
         source="Hibler 1979; Turner et al. 2022",
         plugin=("ocean_drag",),
+        ledger=("impulse_ocean", "work_ocean"),
         forcing=("ocean_u", "ocean_v"),
         diagnostics=("impulse_ocean",),
     ),
@@ -138,6 +143,7 @@ _REGISTERED = (
         physics="Coriolis acceleration -f k x u, a rotation that keeps the speed.",
         source="Cayley form of the rotation",
         plugin=("coriolis",),
+        ledger=("impulse_coriolis", "work_coriolis"),
         forcing=("coriolis",),
         diagnostics=("impulse_coriolis",),
     ),
@@ -146,20 +152,32 @@ _REGISTERED = (
         physics="Slope of the sea surface from the geostrophic current, m f k x u_w.",
         source="Hibler 1979",
         plugin=("tilt",),
+        ledger=("impulse_tilt", "work_tilt"),
         forcing=("ocean_u", "ocean_v", "coriolis"),
         diagnostics=("impulse_tilt",),
+    ),
+    Effect(
+        name="grounding",
+        physics="Keels of ridges reach the seabed and hold the ice: landfast ice in shallow water.",
+        source="Lemieux et al. 2015",
+        plugin=("seabed",),
+        ledger=("impulse_seabed", "dissipation_seabed"),
+        forcing=("sea_floor_depth",),
+        diagnostics=("impulse_seabed",),
     ),
     Effect(
         name="friction",
         physics="Coulomb friction with history where unbonded elements touch.",
         source="Cundall & Strack 1979",
         plugin=("friction",),
+        ledger=("dissipation_friction",),
     ),
     Effect(
         name="bonds",
         physics="Glue lines between neighbours that crack from their ends (Mohr-Coulomb).",
         source="Hopkins, Frankenstein & Thorndike 2004",
         plugin=("bonds",),
+        ledger=("dissipation_bond", "dissipation_fracture"),
         state=_BOND_STATE,
         output=("damage",),
         diagnostics=("intact_bonds",),
@@ -179,6 +197,7 @@ _REGISTERED = (
         physics="Plastic contacts: pressed elements lose area to ridges and keep their ice volume.",
         source="Hopkins 1994, 1996; Turner et al. 2022",
         plugin=("ridging",),
+        ledger=("dissipation_ridging",),
         state=_RIDGE_STATE,
         diagnostics=("ridged_area", "merge_elements"),
     ),
@@ -353,15 +372,15 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
         if name not in EFFECTS:
             near = get_close_matches(name, EFFECTS, n=1)
             hint = f"did you mean '{near[0]}'?" if near else "known are " + ", ".join(EFFECTS)
-            raise FloeError(f"effects: '{name}' is no effect; {hint}")
+            raise FloeError(f"effects: unknown effect '{name}'; {hint}")
         if names.count(name) > 1:
-            raise FloeError(f"effects: '{name}' is named twice")
+            raise FloeError(f"effects: '{name}' is listed twice")
         for other in EFFECTS[name].excludes:
             if other in names:
-                raise FloeError(f"effects: '{name}' and '{other}' exclude each other")
+                raise FloeError(f"effects: '{name}' and '{other}' cannot be used together")
         for need in EFFECTS[name].needs:
             if need not in names:
-                raise FloeError(f"effects: '{name}' needs '{need}', which the scene does not name")
+                raise FloeError(f"effects: '{name}' requires '{need}', which is not listed")
     return tuple(name for name in EFFECTS if name in names)
 
 
@@ -383,6 +402,15 @@ def _collect(field: str, names: Iterable[str]) -> tuple[str, ...]:
 def plugin_switches(names: Iterable[str]) -> tuple[str, ...]:
     """Switches of the LIGGGHTS plugin that these effects set."""
     return _collect("plugin", names)
+
+
+def ledger_sums(names: Iterable[str]) -> tuple[str, ...]:
+    """Sums of the plugin that these effects add to a window's budget, components apart."""
+    return tuple(
+        f"{name}{axis}"
+        for name in _collect("ledger", names)
+        for axis in (("_x", "_y") if name.startswith("impulse_") else ("",))
+    )
 
 
 def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:

@@ -26,7 +26,10 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     ),
     "packing": ("seed", "packing", "effects.coast", "effects.walls", "walls"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
-    "forcing": ("domain", "forcing", "time.start", "time.window", FORCING_VARIABLES),
+    "forcing": (
+        *("domain", "forcing", "time.start", "time.window", "grounding"),
+        FORCING_VARIABLES,
+    ),
     "initial": (
         "time.start",
         "effects",
@@ -41,6 +44,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "dynamics": (
         "effects",
         "dynamics",
+        "grounding",
         "time.window",
         "packing.coast_bonds",
         "state.precision",
@@ -51,7 +55,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     # What is kept changes no result, so it is in no window's own hash.
     "keep": ("state.keep",),
     "column": (
-        *("effects", "column", "time.window", "rims", "gates"),
+        *("effects", "column", "physics", "time.window", "rims", "gates"),
         *("sea.salinity_time", "sea.relaxation_time"),
     ),
     "grid": ("domain", "effects", "time.start", "time.window", "grid"),
@@ -59,7 +63,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "trajectory": ("domain.x_min", "domain.x_max", "domain.y_min", "domain.y_max"),
     "estimate": (
         *("effects", "domain", "mask", "packing", "forcing", "time", "dynamics", "column"),
-        "walls",
+        *("grounding", "walls"),
     ),
     # All that a mesh shows stands in packing and states.
     "mesh": (),
@@ -83,6 +87,8 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
     data = scene.model_dump(mode="json")
     if "thermodynamics" not in scene.effects:
         data.pop("column")
+    if "grounding" not in scene.effects:
+        data["grounding"] = {}
     if "walls" not in scene.effects:
         data["walls"] = {}
     values: dict[str, Any] = {}

@@ -211,8 +211,9 @@ def _fault_sentence(fault: ErrorDetails) -> str:
     if fault["type"] == "extra_forbidden":
         known = _known_keys(location[:-1])
         near = get_close_matches(location[-1], known, n=1, cutoff=0.5)
-        hint = f"did you mean '{near[0]}'?" if near else "known are " + ", ".join(known)
-        return f"'{place}' is no key of a scene; {hint}"
+        above = "".join(f"{part}." for part in location[:-1])
+        hint = f"did you mean '{above}{near[0]}'?" if near else "known are " + ", ".join(known)
+        return f"unknown key '{place}'; {hint}"
     if fault["loc"] == ("name",):
         return (
             f"name: {fault['input']!r} is no plain name (lower-case letters, digits, '_' and '-', "

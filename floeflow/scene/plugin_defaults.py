@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from floeflow.core.constants import AIR_DENSITY, CONTACT_SHEAR_RATIO, ICE_DENSITY, SEAWATER_DENSITY
-from floeflow.scene.blocks import Dynamics
+from floeflow.scene.blocks import Dynamics, Grounding
 
 HEAD = """\
 // SPDX-License-Identifier: GPL-2.0-or-later
@@ -29,7 +29,7 @@ TAIL = """
 
 def plugin_defaults() -> str:
     """Text of ``liggghts_models/laws/defaults.h``."""
-    d = Dynamics()
+    d, g = Dynamics(), Grounding()
     rows = (
         ("bond_young", d.young_modulus, "Pa"),
         ("poisson", d.poisson_ratio, "ratio"),
@@ -47,6 +47,10 @@ def plugin_defaults() -> str:
         ("lead_softening", d.lead_softening, "ratio"),
         ("air_drag", AIR_DENSITY * d.air_drag, "kg/m3, density times coefficient"),
         ("water_drag", SEAWATER_DENSITY * d.ocean_drag, "kg/m3, density times coefficient"),
+        ("keel_ratio", g.keel_ratio, "depth of keels over thickness"),
+        ("seabed_strength", g.strength, "N/m3"),
+        ("seabed_creep", g.creep, "m/s"),
+        ("seabed_openness", g.openness, "ratio"),
         ("ice_density", ICE_DENSITY, "kg/m3"),
     )
     lines = [(f"constexpr double {name} = {value!r};", unit) for name, value, unit in rows]

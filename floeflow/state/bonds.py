@@ -117,6 +117,12 @@ def element_rows(ids: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     return rows
 
 
+def pair_keys(table: Arrays) -> np.ndarray:
+    """One number for each pair, in the order of (id_lo, id_hi); ids fit in 32 bits."""
+    lo, hi = (np.asarray(table[name], np.int64) for name in ("id_lo", "id_hi"))
+    return (lo << 32) | hi
+
+
 def line_length(table: Arrays) -> np.ndarray:
     """Length of each glue line, m, from its ends in the body frame of the lower id."""
     return np.hypot(table["lo_bx"] - table["lo_ax"], table["lo_by"] - table["lo_ay"])

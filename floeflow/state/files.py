@@ -2,9 +2,9 @@
 """Checksummed NetCDF-4 files, written whole or not at all.
 
 A file is written under a unique temporary name beside its place, synced and renamed, so that a
-reader sees the old file or the new one, never a half. It ends with the seal of its bytes (seal.py),
-which the reader verifies first. The attribute `checksum` names the content, whatever library wrote
-it: it covers names, types, shapes, bytes and attributes.
+reader sees the old file or the new one, never a half. It ends with the seal of its bytes
+(`floeflow.state.file_checksum`), which the reader verifies first. The attribute `checksum` names
+the content, whatever library wrote it: it covers names, types, shapes, bytes and attributes.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import xarray as xr
 from floeflow.core.atomic_write import write_whole
 from floeflow.core.errors import FloeError
 from floeflow.state.file_checksum import check_seal, seal
+from floeflow.state.migrations import migrate
 from floeflow.state.schema import ROUNDED, VARIABLES, check_state
 
 CHECKSUM = "checksum"
@@ -135,6 +136,8 @@ def write_state(
 def read_state(path: str | Path) -> xr.Dataset:
     """Read a state, verify its seal and schema; all floating variables in double precision.
 
+    A state of an older schema version is brought to the present one (`floeflow.state.migrations`).
+
     Raises
     ------
     FloeError
@@ -145,6 +148,7 @@ def read_state(path: str | Path) -> xr.Dataset:
         if name in state and state[name].dtype == np.float32:
             state[name] = state[name].astype(np.float64)
     try:
+        state = migrate(state)
         check_state(state)
     except FloeError as error:
         raise FloeError(f"{path}: {error}") from None

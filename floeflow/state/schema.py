@@ -17,8 +17,7 @@ import xarray as xr
 from floeflow.core.errors import FloeError
 from floeflow.scene.effects import EFFECTS, SCHEME_STATE, state_variables
 from floeflow.state.attributes import check_attributes
-
-SCHEMA_VERSION = 1
+from floeflow.state.migrations import SCHEMA_VERSION
 
 MOBILE, COAST = 1, 2
 
@@ -250,7 +249,7 @@ def check_state(state: xr.Dataset) -> None:
         raise FloeError("this is no FloeFlow state: it has no schema_version")
     if version != SCHEMA_VERSION:
         raise FloeError(
-            f"its schema version is {version}, this FloeFlow reads version {SCHEMA_VERSION}"
+            f"its schema version is {version}, this FloeFlow writes version {SCHEMA_VERSION}"
         )
     effects, scheme = check_attributes(state.attrs)
     expected = expected_variables(effects, scheme)

@@ -17,7 +17,6 @@ from floeflow.coupling.origin import check_origin
 from floeflow.scene import Scene
 from floeflow.scene.hashes import STAGE_KEYS, stage_hash
 from floeflow.scene.load import read_resolved
-from floeflow.state import read_state
 from floeflow.workflow.library import library_digest
 
 RECORDS = (Path(".snakemake/metadata"), Path(".snakemake/incomplete"))
@@ -44,6 +43,9 @@ def check_results(scene: Scene, folder: Path, windows: Iterable[str]) -> None:
     """
     states = {window: folder / "state" / f"{window}.nc" for window in windows}
     unknown = {window: path for window, path in states.items() if _is_foreign(path)}
+    if unknown:
+        # What reads states is large, and hardly ever needed at the start of a workflow.
+        from floeflow.state import read_state
     for window, path in unknown.items():
         attrs = read_state(path).attrs
         check_origin(attrs, path, scene, int(window), library_digest("windows"))

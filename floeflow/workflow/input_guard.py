@@ -26,7 +26,10 @@ from floeflow.workflow.library import library_digest
 PASSED = Path("results/inputs/passed")
 # Processor time of a check: of any, and for each megabyte of its files.
 LEAST_SECONDS, SECONDS_A_MB = 60, 0.2
-KEYS = {"domain", "mask", "forcing", "time", "effects", "sea"}
+KEYS: dict[str, bool | set[str]] = {
+    **dict.fromkeys(("domain", "mask", "forcing", "time", "effects", "sea"), True),
+    "packing": {"generator"},
+}
 
 
 def check_inputs(scene: Scene, passed: set[str], remember: bool = True) -> None:
@@ -84,7 +87,7 @@ def _digest(scene: Scene) -> tuple[str, int]:
         given = [
             scene.mask.file,
             *users_files(scene),
-            *([scene.sea.file] if scene.sea.file else []),
+            *(name for name in (scene.sea.file, scene.mask.labels.file) if name),
         ]
     except FloeError:
         given = [scene.mask.file]

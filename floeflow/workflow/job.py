@@ -22,6 +22,7 @@ from floeflow.core.lock import hold_job
 from floeflow.core.records import cpu_seconds, peak_memory
 from floeflow.scene import Scene
 from floeflow.scene.load import read_resolved
+from floeflow.workflow.faults import leave_fault
 
 # A window of a small scene writes less than this.
 LEAST_ROOM_MB = 20
@@ -42,7 +43,10 @@ class Snakemake(Protocol):
 
 
 def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
-    """Run a rule's script: logging to its log, a fault as one sentence, exit code 1."""
+    """Run a rule's script: logging to its log, a fault as one sentence, exit code 1.
+
+    The sentence is left for the main process, which says it last (`floeflow.workflow.faults`).
+    """
     log = Path(str(snakemake.log[0]))
     log.parent.mkdir(parents=True, exist_ok=True)
     form = "%(asctime)s %(name)s %(levelname)s %(message)s"
@@ -56,12 +60,17 @@ def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
         _keep_cost(snakemake)
     except FloeError as error:
         logging.error("%s", error)
-        print(f"floeflow: {error}", file=sys.stderr, flush=True)
+        if not leave_fault(scene_folder(snakemake), str(error), log):
+            print(f"floeflow: {error}", file=sys.stderr, flush=True)
         # Leave without unwinding through Snakemake's preamble, which would print a traceback.
         logging.shutdown()
         os._exit(1)
-    except Exception:
+    except Exception as error:
         logging.exception("unexpected fault")
+        said = (
+            f"{type(error).__name__}: {str(error)[:200]}: a fault of the program, please report it"
+        )
+        leave_fault(scene_folder(snakemake), said, log)
         raise
 
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import floeflow
 from floeflow.core.errors import FloeError
-from floeflow.coupling.resume import file_hash
+from floeflow.core.extensions import extension_digest
+from floeflow.core.file_hash import file_hash
 
 # Packages behind each stage, beside those that all share. Keys of the scene have hashes of their
 # own, so a new key alone redoes nothing.
@@ -22,8 +23,8 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "bonds": ("packings",),
     "initial": ("packings", "column", "coupling"),
     "windows": ("forcings", "column", "dynamics", "transfer", "coupling"),
-    "fields": ("transfer", "diagnostics"),
-    "diagnostics": ("diagnostics",),
+    "fields": ("transfer", "diagnostics", "forcings"),
+    "diagnostics": ("diagnostics", "forcings"),
     "trajectory": ("diagnostics",),
     "mesh": ("diagnostics",),
     "coast": ("packings",),
@@ -48,6 +49,7 @@ def package_digest(package: str) -> str:
 def library_digest(stage: str) -> str:
     """Digest (16 hexadecimal digits) of the code behind a stage."""
     parts = [package_digest(package) for package in (*SHARED, *PACKAGES[stage])]
+    parts += [added] if (added := extension_digest()) else []
     return hashlib.sha256(" ".join(parts).encode()).hexdigest()[:16]
 
 

@@ -19,11 +19,10 @@ from pathlib import Path
 from typing import Any
 
 from floeflow.core.atomic_write import write_text
-from floeflow.coupling.resume import file_hash
-from floeflow.forcings.files import forcing_files
+from floeflow.core.file_hash import file_hash
+from floeflow.forcings.files import depth_files, forcing_files
 from floeflow.masks.regions import polygon_inputs
 from floeflow.scene import Scene
-from floeflow.state import read_state
 from floeflow.workflow.library import PACKAGES, library_digest
 
 MANIFEST = "manifest.json"
@@ -41,6 +40,7 @@ def input_files(scene: Scene) -> list[str]:
         mask.labels.file or ("" if mask.uniform else mask.file),
         *polygon_inputs(mask),
         *forcing_files(scene),
+        *depth_files(scene),
         scene.sea.file,
         scene.walls.mesh if "walls" in scene.effects else "",
     ]
@@ -112,6 +112,9 @@ def write_manifest(scene: Scene, folder: Path, plugin: Path, last: str, workflow
     FloeError
         Where an input or the last state cannot be read any more.
     """
+    # What reads states is large: at a workflow's start, which imports this, it is not needed.
+    from floeflow.state import read_state
+
     provenance = json.loads(read_state(folder / "state" / f"{last}.nc").attrs["provenance"])
     manifest: dict[str, Any] = {
         "written": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -14,6 +14,7 @@ import json
 import os
 import sys
 import tempfile
+import time
 import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -28,18 +29,20 @@ from floeflow.analysis.studies.variants import variant_scene
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import claim_scene, clear_stale_locks, join_run
-from floeflow.core.meshes import check_mesh_file
+from floeflow.core.mesh_check import check_mesh_file
 from floeflow.core.plugin import plugin_path
 from floeflow.scene import Scene
 from floeflow.scene.checks import scene_warnings
 from floeflow.scene.hashes import chain_hash, stage_hash
 from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
+from floeflow.workflow.faults import UNKNOWN, say_last, take_faults
 from floeflow.workflow.foreign_results import check_results
 from floeflow.workflow.input_guard import check_inputs
 from floeflow.workflow.library import made_with
 from floeflow.workflow.manifest import write_manifest
 from floeflow.workflow.partitions import partition_minutes, within
+from floeflow.workflow.ranks import check_ranks
 
 DEFAULT_SCENE = "config/scenes/arctic_1981.yaml"
 SHIPPED = Path("config/scenes")
@@ -112,6 +115,7 @@ class Scenes:
         self._limits: dict[str, int | None] = {}
         self._main = bool(workflow.is_main_process)
         self._workflow = workflow
+        self._begun = time.time()
         looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
         self._writes = self._main and not (workflow.output_settings.dryrun or looking)
         with refused_in_a_sentence("the scene"):
@@ -124,6 +128,8 @@ class Scenes:
             self._path = Path(str(config.setdefault("scene", DEFAULT_SCENE)))
             self.default = self._default_name()
             self.run(self.default)
+            if self._main and not looking:
+                check_ranks(getattr(workflow, "resource_settings", None))
 
     @property
     def plugin(self) -> str:
@@ -211,6 +217,12 @@ class Scenes:
                 workflow = Path(self._workflow.basedir)
                 write_manifest(run.scene, report.parent, self._plugin, run.last, workflow)
         return f"Report: {report.resolve()}" if report.is_file() else f"Results: {report.parent}/"
+
+    def say_faults(self) -> None:
+        """Say last, and once, what jobs could not do."""
+        # File systems keep times to a second.
+        told = take_faults(RESULTS, self._begun - 1.0)
+        say_last(told or [UNKNOWN.format(RESULTS / self.default / "log")])
 
     def _read(self, name: str) -> Run:
         folder = RESULTS / name

@@ -20,6 +20,9 @@ const char *floe_layout(void);
 int floe_open(int argc, char **argv, void *comm, void **instance);  // comm: pointer to an MPI_Comm
 int floe_close(void *instance);
 int floe_command(void *instance, const char *line);
+// Columns and rows of the grid of ranks, as shares of the box: 0 first, 1 last, one more than the
+// command `processors` made of each. Before elements are created (local).
+int floe_divide(void *instance, const double *x, const double *y);
 int floe_set_start_time(void *instance, double seconds);  // local
 
 // Elements. columns: x y theta u v omega radius mass thickness ice_area cover ridged_area, and the
@@ -52,10 +55,13 @@ long long floe_count_wall_contacts(void *instance);                           //
 int floe_get_wall_contacts(void *instance, long long *ids, double *columns);  // local
 int floe_wall_forces(void *instance, double *impulses, double *forces);       // local
 
-// Forcing on a regular grid, copied. velocity: [time][y][x][wind_u wind_v ocean_u ocean_v].
+// Forcing on a regular grid, copied. velocity: [time][y][x][wind_u wind_v ocean_u ocean_v]. With
+// over_discs floes meet means over their discs; with wind_stress the wind is given as |w| w.
 int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
                      double x0, double dx, double y0, double dy, const double *velocity,
-                     const double *coriolis);
+                     const double *coriolis, int over_discs, int wind_stress);
+// Depth of the sea (m) on the grid of the forcing that was set before, copied: [y][x] (local).
+int floe_set_depth(void *instance, const double *depth);
 
 // Sums of this rank: names separated by blanks, and the numbers in that order (local).
 const char *floe_sum_names(void);

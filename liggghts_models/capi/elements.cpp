@@ -55,6 +55,10 @@ int floe_create_elements(void *instance, long long n, const long long *id, const
     auto *lmp = static_cast<LAMMPS *>(instance);
     Atom *atom = lmp->atom;
     FixFloeIntegrate *fix = floe::find_parts(lmp).fix;
+    int own = 0;
+    for (long long k = 0; k < n; ++k) own += owns(lmp->domain, columns + column_count * k);
+    // At once: on its own LIGGGHTS makes room for few at a time, and moves all arrays each time.
+    if (atom->nlocal + own > atom->nmax) atom->avec->grow(atom->nlocal + own);
     for (long long k = 0; k < n; ++k) {
       const double *row = columns + column_count * k;
       if (!owns(lmp->domain, row)) continue;

@@ -3,11 +3,14 @@
 // C interface: opening, commands, errors, forcing, sums.
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 #include <vector>
 
 #include "capi.h"
+#include "comm.h"
+#include "domain.h"
 #include "error.h"
 #include "fix_floe_integrate.h"
 #include "input.h"
@@ -62,13 +65,23 @@ int floe_command(void *instance, const char *line) {
   return floe::guarded([&] { lmp_of(instance)->input->one(line); });
 }
 
+int floe_divide(void *instance, const double *x, const double *y) {
+  return floe::guarded([&] {
+    Comm *comm = lmp_of(instance)->comm;
+    comm->uniform = 0;
+    std::copy(x, x + comm->procgrid[0] + 1, comm->xsplit);
+    std::copy(y, y + comm->procgrid[1] + 1, comm->ysplit);
+    lmp_of(instance)->domain->set_local_box();
+  });
+}
+
 int floe_set_start_time(void *instance, double seconds) {
   return floe::guarded([&] { floe::find_parts(lmp_of(instance)).fix->start_time = seconds; });
 }
 
 int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
                      double x0, double dx, double y0, double dy, const double *velocity,
-                     const double *coriolis) {
+                     const double *coriolis, int over_discs, int wind_stress) {
   return floe::guarded([&] {
     floe::ForcingGrid grid;
     grid.time.assign(time, time + nt);
@@ -80,7 +93,16 @@ int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, c
     grid.ny = static_cast<int>(ny);
     grid.velocity.assign(velocity, velocity + 4 * nt * ny * nx);
     grid.coriolis.assign(coriolis, coriolis + ny * nx);
+    grid.over_discs = over_discs != 0;
+    grid.wind_stress = wind_stress != 0;
     floe::find_parts(lmp_of(instance)).fix->forcing = std::move(grid);
+  });
+}
+
+int floe_set_depth(void *instance, const double *depth) {
+  return floe::guarded([&] {
+    floe::ForcingGrid &grid = floe::find_parts(lmp_of(instance)).fix->forcing;
+    grid.depth.assign(depth, depth + grid.coriolis.size());
   });
 }
 

@@ -18,7 +18,8 @@ struct BatchState {
 
 // Records and elements of one bond per lane, as packs.
 template <typename P, int Width>
-FLOE_INLINE BatchState<P> gather(const BondBlock &block, int first, const Body *bodies) {
+FLOE_INLINE BatchState<P> gather(const BondBlock &block, const BondRest &rest, int first,
+                                 const Body *bodies) {
   const auto column = [&](int k) { return load_pack<P>(block.column[k] + first); };
   using B = BondBlock;
   BatchState<P> out;
@@ -28,8 +29,8 @@ FLOE_INLINE BatchState<P> gather(const BondBlock &block, int first, const Body *
                {column(B::hi_bx), column(B::hi_by)},
                P{},
                P{},
-               column(B::crack_a),
-               column(B::crack_b)};
+               load_pack<P>(rest.crack_a + first),
+               load_pack<P>(rest.crack_b + first)};
   out.constants = {column(B::length), column(B::ratio), column(B::damping), column(B::squeeze)};
   const double *lo[Width], *hi[Width];
   for (int k = 0; k < Width; ++k) {
@@ -46,22 +47,20 @@ FLOE_INLINE BatchState<P> gather(const BondBlock &block, int first, const Body *
 }
 
 // The first `count` lanes are bonds; without Whole there may be fewer than lanes.
-template <Damping Damp, bool Exact, bool Whole, typename P, int Width>
-FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, int number, int first,
-                               int count, P &sum, std::vector<int> &odd) {
+template <typename Law, Damping Damp, bool Exact, bool Whole, typename P, int Width>
+FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, const BondRest &rest,
+                               int number, int first, int count, P &sum, std::vector<int> &odd) {
   constexpr bool damped = Damp != Damping::none;
-  const BatchState<P> s = gather<P, Width>(block, first, t.bodies);
+  const BatchState<P> s = gather<P, Width>(block, rest, first, t.bodies);
   const BondLineOf<P> line = bond_line(s.shape, s.pose);
   P power;
   const PairForceOf<P> force =
-      bond_force<damped>(t.material, s.constants, s.shape, line, s.pose, power);
+      Law::template force<damped>(t.material, s.constants, s.shape, line, s.pose, power);
   const P none{};
   auto holds = none == none;
   if (t.check) {
-    const auto limits = bond_limits(t.material, s.constants, line);
-    const auto range = bond_range(line, s.shape);
     const P square = s.pose.d.x * s.pose.d.x + s.pose.d.y * s.pose.d.y;
-    holds = (range.least >= limits.least) & (range.most <= limits.most) &
+    holds = Law::holds(t.material, s.constants, line, s.shape) &
             (square <= t.limit2 * s.radii * s.radii);
   }
   int lo[Width], hi[Width];
@@ -84,14 +83,15 @@ FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, int nu
     }
   }
   if constexpr (Damp == Damping::counted) {
-    sum += load_pack<P>(block.column[BondBlock::share] + first) * power;
+    sum += load_pack<P>(rest.share + first) * power;
   }
   add_loads<Exact>(to_lo, {force.f.x, force.f.y, force.torque_lo, none});
   add_loads<Exact>(to_hi, {-force.f.x, -force.f.y, force.torque_hi, none});
   if constexpr (Damp == Damping::exact) {
     BondLineOf<P> still = line;
     still.dn = still.dn_slope = still.dt = none;
-    const PairForceOf<P> part = bond_force(t.material, s.constants, s.shape, still, s.pose, power);
+    const PairForceOf<P> part =
+        Law::template force<true>(t.material, s.constants, s.shape, still, s.pose, power);
     for (int k = 0; k < Width; ++k) {
       if (!whole && !(k < count && holds[k])) continue;
       to_lo[k] = &t.damped[lo[k]].fx;
@@ -102,7 +102,7 @@ FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, int nu
   }
 }
 
-template <Damping Damp, bool Exact, typename P, int Width>
+template <typename Law, Damping Damp, bool Exact, typename P, int Width>
 FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
                                 std::vector<int> &odd) {
   constexpr int parts = 4 / Width;
@@ -110,14 +110,16 @@ FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
   const int count = bonds.count, whole = count / 4 * 4;
   const BondBlock *block = bonds.blocks.data();
   for (int first = 0; first < whole; first += 4, ++block) {
+    const BondRest &rest = bonds.rest(first);
     for (int k = 0; k < parts; ++k) {
-      evaluate_pack<Damp, Exact, true, P, Width>(t, *block, first + k * Width, k * Width, Width,
-                                                 part[k], odd);
+      evaluate_pack<Law, Damp, Exact, true, P, Width>(t, *block, rest, first + k * Width, k * Width,
+                                                      Width, part[k], odd);
     }
   }
   for (int k = 0; k < parts && whole + k * Width < count; ++k) {
-    evaluate_pack<Damp, Exact, false, P, Width>(t, *block, whole + k * Width, k * Width,
-                                                count - whole - k * Width, part[k], odd);
+    evaluate_pack<Law, Damp, Exact, false, P, Width>(t, *block, bonds.rest(whole),
+                                                     whole + k * Width, k * Width,
+                                                     count - whole - k * Width, part[k], odd);
   }
   LaneSums sums;
   for (int k = 0; k < parts; ++k) sums.add(k * Width, part[k]);
@@ -125,32 +127,35 @@ FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
 }
 
 #if defined(__x86_64__)
-template <Damping Damp, bool Exact>
+template <typename Law, Damping Damp, bool Exact>
 [[gnu::target("avx2")]] double evaluate_wide(const BondTask &t, const BondRecords &bonds,
                                              std::vector<int> &odd) {
-  return evaluate_all<Damp, Exact, Pack4, 4>(t, bonds, odd);
+  return evaluate_all<Law, Damp, Exact, Pack4, 4>(t, bonds, odd);
 }
 #endif
 
 }  // namespace
 
-template <Damping Damp, bool Exact>
+template <typename Law, Damping Damp, bool Exact>
 double evaluate_bonds(const BondTask &task, const BondRecords &bonds, std::vector<int> &odd) {
 #if defined(__x86_64__)
-  if (wide_packs()) return evaluate_wide<Damp, Exact>(task, bonds, odd);
+  if (wide_packs()) return evaluate_wide<Law, Damp, Exact>(task, bonds, odd);
 #endif
-  return evaluate_all<Damp, Exact, Pack2, 2>(task, bonds, odd);
+  return evaluate_all<Law, Damp, Exact, Pack2, 2>(task, bonds, odd);
 }
 
-#define FLOE_BONDS(damp, exact)                                                      \
-  template double evaluate_bonds<damp, exact>(const BondTask &, const BondRecords &, \
-                                              std::vector<int> &)
-FLOE_BONDS(Damping::none, false);
-FLOE_BONDS(Damping::none, true);
-FLOE_BONDS(Damping::counted, false);
-FLOE_BONDS(Damping::counted, true);
-FLOE_BONDS(Damping::exact, false);
-FLOE_BONDS(Damping::exact, true);
+#define FLOE_BONDS(Law, damp, exact)                                                      \
+  template double evaluate_bonds<Law, damp, exact>(const BondTask &, const BondRecords &, \
+                                                   std::vector<int> &);
+#define FLOE_BONDS_OF(Law)                 \
+  FLOE_BONDS(Law, Damping::none, false)    \
+  FLOE_BONDS(Law, Damping::none, true)     \
+  FLOE_BONDS(Law, Damping::counted, false) \
+  FLOE_BONDS(Law, Damping::counted, true)  \
+  FLOE_BONDS(Law, Damping::exact, false)   \
+  FLOE_BONDS(Law, Damping::exact, true)
+FLOE_BOND_LAWS(FLOE_BONDS_OF)
+#undef FLOE_BONDS_OF
 #undef FLOE_BONDS
 
 }  // namespace floe

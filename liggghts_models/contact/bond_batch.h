@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "body.h"
+#include "laws.h"
 #include "losses.h"
 #include "records.h"
 
@@ -27,7 +28,7 @@ struct BondTask {
 
 // Adds the forces of the bonds that hold to the loads (in two rows each, where Exact), and returns the
 // power (W) that their damping took where that is counted. The numbers of the others go to `odd`.
-template <Damping Damp, bool Exact>
+template <typename Law, Damping Damp, bool Exact>
 double evaluate_bonds(const BondTask &task, const BondRecords &bonds, std::vector<int> &odd);
 
 }  // namespace floe

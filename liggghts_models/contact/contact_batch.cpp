@@ -94,8 +94,8 @@ FLOE_INLINE void evaluate_pack(const ContactTask &t, const int *numbers, int fir
   }
   ContactLossOf<P> loss;
   ContactForceOf<P> touch = contact_force<Terms::friction, Terms::ridging, damped, P>(
-      t.material, constants_at<Terms::law>(ContactConstantsOf<P>{h[2], h[3]}, overlap), pose,
-      overlap, t.step, slip, loss, limit);
+      t.material, Terms::Law::at(ContactConstantsOf<P>{h[2], h[3]}, overlap), pose, overlap, t.step,
+      slip, loss, limit);
   const auto idle = overlap <= none;
   const bool partial = any(idle) || count < Width;
   Load nowhere[Terms::exact_sums ? 2 : 1];
@@ -152,6 +152,8 @@ template <typename Terms>
 
 template <typename Terms>
 void evaluate_contacts(const ContactTask &task, int *touching, int count, ContactSums &sums) {
+  // Ridges close at a constant stiffness only: such a set of terms is never asked for.
+  if constexpr (Terms::ridging && !Terms::Law::constant) return;
 #if defined(__x86_64__)
   if (wide_packs()) return evaluate_wide<Terms>(task, touching, count, sums);
 #endif
@@ -161,22 +163,21 @@ void evaluate_contacts(const ContactTask &task, int *touching, int count, Contac
 #define FLOE_CONTACTS(...)                                                                    \
   template void evaluate_contacts<ContactTerms<__VA_ARGS__>>(const ContactTask &, int *, int, \
                                                              ContactSums &);
-#define FLOE_CONTACTS_DAMPED(damping)                            \
-  FLOE_CONTACTS(false, false, damping, false)                    \
-  FLOE_CONTACTS(true, false, damping, false)                     \
-  FLOE_CONTACTS(false, true, damping, false)                     \
-  FLOE_CONTACTS(true, true, damping, false)                      \
-  FLOE_CONTACTS(false, false, damping, true)                     \
-  FLOE_CONTACTS(true, false, damping, true)                      \
-  FLOE_CONTACTS(false, true, damping, true)                      \
-  FLOE_CONTACTS(true, true, damping, true)                       \
-  FLOE_CONTACTS(false, false, damping, false, ContactLaw::hertz) \
-  FLOE_CONTACTS(true, false, damping, false, ContactLaw::hertz)  \
-  FLOE_CONTACTS(false, false, damping, true, ContactLaw::hertz)  \
-  FLOE_CONTACTS(true, false, damping, true, ContactLaw::hertz)
-FLOE_CONTACTS_DAMPED(Damping::none)
-FLOE_CONTACTS_DAMPED(Damping::counted)
-FLOE_CONTACTS_DAMPED(Damping::exact)
+#define FLOE_CONTACTS_DAMPED(Law, damping)         \
+  FLOE_CONTACTS(false, false, damping, false, Law) \
+  FLOE_CONTACTS(true, false, damping, false, Law)  \
+  FLOE_CONTACTS(false, true, damping, false, Law)  \
+  FLOE_CONTACTS(true, true, damping, false, Law)   \
+  FLOE_CONTACTS(false, false, damping, true, Law)  \
+  FLOE_CONTACTS(true, false, damping, true, Law)   \
+  FLOE_CONTACTS(false, true, damping, true, Law)   \
+  FLOE_CONTACTS(true, true, damping, true, Law)
+#define FLOE_CONTACTS_OF(Law)                 \
+  FLOE_CONTACTS_DAMPED(Law, Damping::none)    \
+  FLOE_CONTACTS_DAMPED(Law, Damping::counted) \
+  FLOE_CONTACTS_DAMPED(Law, Damping::exact)
+FLOE_CONTACT_LAWS(FLOE_CONTACTS_OF)
+#undef FLOE_CONTACTS_OF
 #undef FLOE_CONTACTS_DAMPED
 #undef FLOE_CONTACTS
 

@@ -8,6 +8,7 @@
 #include "body.h"
 #include "contact.h"
 #include "lane_sums.h"
+#include "laws.h"
 #include "losses.h"
 #include "records.h"
 
@@ -37,14 +38,14 @@ struct ContactTask {
   double *const covers;
 };
 
-// The terms of the law: what is off is not in the code. Exact loads take two rows each.
+// The law and its terms: what is off is not in the code. Exact loads take two rows each.
 template <bool WithFriction, bool WithRidging, Damping WithDamping, bool WithExactSums,
-          ContactLaw WithLaw = ContactLaw::linear>
+          typename WithLaw>
 struct ContactTerms {
+  using Law = WithLaw;
   static constexpr bool friction = WithFriction, ridging = WithRidging;
   static constexpr bool exact_sums = WithExactSums;
   static constexpr Damping damping = WithDamping;
-  static constexpr ContactLaw law = WithLaw;
 };
 
 // Adds forces of the contacts with these numbers to the loads and losses to the sums. `touching` has

@@ -45,7 +45,7 @@ void choose_damping(double ratio, bool exact, Call call) {
 bool PairFloe::gather_bodies() {
   if (fix_->use_orientation) fix_->send_orientations();
   const int own = atom->nlocal, all = own + atom->nghost;
-  std::vector<Body> &bodies = fix_->bodies;
+  LongArray<Body> &bodies = fix_->bodies;
   const bool current = fix_->fused && static_cast<int>(bodies.size()) >= own && !stale_;
   bodies.resize(all);
   const double *const *x = atom->x, *const *v = atom->v, *const *omega = atom->omega;
@@ -60,7 +60,7 @@ bool PairFloe::gather_bodies() {
 
 void PairFloe::clear_loads(bool current) {
   const int own = atom->nlocal, all = own + atom->nghost;
-  std::vector<Load> &loads = fix_->loads;
+  LongArray<Load> &loads = fix_->loads;
   if (current && fix_->loads_cleared && !deterministic) {
     loads.resize(all);
     std::fill(loads.begin() + own, loads.end(), Load{});
@@ -118,34 +118,39 @@ void PairFloe::loop_contacts(ContactSums &sums) {
   if (found) evaluate_contacts<Terms>(task, touching, found, sums);
 }
 
+template <typename Law, bool Exact>
+void PairFloe::evaluate_bonds_of(Losses &lost) {
+  odd_.clear();
+  const BondTask task{
+      bond, limit2(), advance_, fix_->bodies.data(), fix_->loads.data(), fix_->damped_bond.data()};
+  choose_damping(bond.damping, exact_losses, [&](auto damping) {
+    lost.bond = evaluate_bonds<Law, damping, Exact>(task, bonded_, odd_);
+  });
+  for (const int number : odd_) bond_alone<Law, Exact>(number, lost);
+}
+
+template <typename Law, bool Exact>
+void PairFloe::evaluate_contacts_of(ContactSums &sums) {
+  choose_damping(contact.damping, exact_losses, [&](auto damping) {
+    choose(friction, [&](auto with_friction) {
+      choose(ridging, [&](auto with_ridging) {
+        // Without a constant stiffness there is no ridging: settings() refuses it.
+        constexpr bool ridges = with_ridging && Law::constant;
+        loop_contacts<ContactTerms<with_friction, ridges, damping, Exact, Law>>(sums);
+      });
+    });
+  });
+}
+
 template <bool Exact>
 void PairFloe::evaluate_exactly_or_not() {
   Losses lost;
   if (bonds) {
-    odd_.clear();
-    const BondTask task{bond,
-                        limit2(),
-                        advance_,
-                        fix_->bodies.data(),
-                        fix_->loads.data(),
-                        fix_->damped_bond.data()};
-    choose_damping(bond.damping, exact_losses, [&](auto damping) {
-      lost.bond = evaluate_bonds<decltype(damping)::value, Exact>(task, bonded_, odd_);
-    });
-    for (const int number : odd_) bond_alone<Exact>(number, lost);
+    BondLaws::with(bond.law, [&](auto law) { evaluate_bonds_of<decltype(law), Exact>(lost); });
   }
   ContactSums sums;
-  choose_damping(contact.damping, exact_losses, [&](auto damping) {
-    choose(friction, [&](auto with_friction) {
-      if (contact.law == ContactLaw::hertz) {
-        return loop_contacts<ContactTerms<with_friction, false, damping, Exact, ContactLaw::hertz>>(
-            sums);
-      }
-      choose(ridging, [&](auto with_ridging) {
-        loop_contacts<ContactTerms<with_friction, with_ridging, damping, Exact>>(sums);
-      });
-    });
-  });
+  ContactLaws::with(contact.law,
+                    [&](auto law) { evaluate_contacts_of<decltype(law), Exact>(sums); });
   lost.contact += sums.damping.total();
   lost.friction += sums.friction.total();
   lost.ridging += sums.ridging;

@@ -15,9 +15,9 @@
 #include "bond.h"
 #include "contact.h"
 #include "granular_pair_style.h"
+#include "laws.h"
 #include "losses.h"
 #include "pair_state.h"
-#include "parallel_bond.h"
 #include "pointers.h"
 #include "records.h"
 #include "ridge.h"
@@ -58,14 +58,6 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   double compressive_strength(double thickness) const {
     return kovacs_sodhi ? kovacs_sodhi_strength(thickness) : compressive;
   }
-  // Strength (Pa) of the envelope that the loops over bonds know; see parallel_bond.h.
-  double envelope_strength(double thickness) const {
-    return compressive_strength(thickness) * (parallel ? parallel_tensile : 1.0);
-  }
-  ParallelStrength parallel_strength(double thickness) const {
-    const double strength = compressive_strength(thickness);
-    return {parallel_tensile * strength, parallel_shear * strength};
-  }
   int history_size() const;
   RidgeForce ridging_force(const Ridge &r) const {
     return ridge_force(ridge, compressive_strength(r.thickness), r);
@@ -82,7 +74,8 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   bool touches(int i, int j) const;  // whether two elements may be in contact
   int lower(int i, int j) const;     // that of two elements which has the lower id
   double reduced_mass(int i, int j) const;
-  // Of a contact of two elements, lower id first, by the law that was chosen.
+  ContactSide side_of(int i) const;
+  // Of a contact of two elements, lower id first.
   ContactConstants contact_of(int lo, int hi) const;
   // The records are no longer valid: LIGGGHTS' history holds from now on.
   void forget_records() { stale_ = true; }
@@ -107,8 +100,6 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
 
   bool bonds = false, friction = true, ridging = false, kovacs_sodhi = false;
   bool fixed_contacts = true;  // else fixed elements only bond: walls stand where they do
-  bool parallel = false;       // bonds break whole, as beams
-  double parallel_tensile = 0.0, parallel_shear = 0.0;  // of the compressive strength
   bool deterministic = false;  // sums per element that do not depend on order and ranks
   bool exact_losses = false;   // losses of damping to second order in the step
   double compressive = 0.0;    // Pa, where it is constant
@@ -126,8 +117,8 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   BondPose pose_of(int number);
   void tally(LAMMPS_NS::PairGran *);
   void list_pairs(LAMMPS_NS::PairGran *);
-  bool fracture(int number, const BondConstants &, const BondLine &, BondShape &);
-  void note_breakage(int number, const BondShape &before, const BondLine &line, double energy);
+  void note_breakage(int number, BreakageMode, const BondShape &before, const BondLine &line,
+                     double energy);
   void copy_to_elements();
   void read_history();
   BondConstants constants_of(const BondShape &, int i, int j) const;
@@ -135,11 +126,15 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   void forget_contact(int number);
   bool across_gap(int number, double distance, double sum, bool advance);
   void evaluate();
+  template <typename Law, bool Exact>
+  void evaluate_bonds_of(Losses &);
+  template <typename Law, bool Exact>
+  void evaluate_contacts_of(ContactSums &);
   template <bool Exact>
   void evaluate_exactly_or_not();
   template <typename Terms>
   void loop_contacts(ContactSums &);
-  template <bool Exact>
+  template <typename Law, bool Exact>
   void bond_alone(int number, Losses &);
   double limit2() const { return 0.998 * reach * reach; }
   void fold_exact_sums();

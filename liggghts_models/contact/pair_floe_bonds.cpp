@@ -81,19 +81,8 @@ PairFloe::Taken PairFloe::take_over(int number, double overlap, double force, do
   return {0.5 * push * push / row.stiffness, push};
 }
 
-// The law's answer to a bond outside of the loops' envelope: whether any of it failed.
-bool PairFloe::fracture(int number, const BondConstants &constants, const BondLine &line,
-                        BondShape &shape) {
-  if (!parallel) return bond_fracture(bond, constants, line, shape);
-  const double *h = bonded_.places[number].history;
-  const ParallelStrength strength = parallel_strength(h[slot::bond_thickness]);
-  if (!parallel_bond_breaks(bond, strength, line, h[slot::span])) return false;
-  shape.crack_b = 1.0 - shape.crack_a;
-  return true;
-}
-
 // A bond that cracks or comes to the end of the neighbours' reach.
-template <bool Exact>
+template <typename Law, bool Exact>
 void PairFloe::bond_alone(int number, Losses &lost) {
   using B = BondBlock;
   const auto at = [&](B::Column column) { return bonded_.at(column, number); };
@@ -106,33 +95,35 @@ void PairFloe::bond_alone(int number, Losses &lost) {
                   {at(B::hi_bx), at(B::hi_by)},
                   0.0,
                   0.0,
-                  at(B::crack_a),
-                  at(B::crack_b)};
+                  bonded_.crack_a(number),
+                  bonded_.crack_b(number)};
   const BondConstants constants{at(B::length), at(B::ratio), at(B::damping), at(B::squeeze)};
   const BondPose pose{{hi.x - lo.x, hi.y - lo.y}, {lo.cos, lo.sin}, {hi.cos, hi.sin},
                       {hi.u - lo.u, hi.v - lo.v}, lo.spin,          hi.spin};
   const BondLine line = bond_line(shape, pose);
-  const double share = at(B::share);
+  const double share = bonded_.share(number);
   const auto elastic_power = [&] {  // by which the bond's energy falls, W
     double none;
-    return pair_power(bond_force<false>(bond, constants, shape, line, pose, none), pose);
+    return pair_power(Law::template force<false>(bond, constants, shape, line, pose, none), pose);
   };
   if (advance_) {
     const double sum = lo.radius + hi.radius, square = pose.d.x * pose.d.x + pose.d.y * pose.d.y;
     if (square > limit2() * sum * sum) fix_->fault_at(i, j);
     const BondShape before = shape;
-    const double power = elastic_power(), energy = bond_energy(bond, constants, before, line);
-    if (fracture(number, constants, line, shape)) {
+    const double power = elastic_power(), energy = Law::energy(bond, constants, before, line);
+    if (Law::fracture(bond, constants, line, shape)) {
       const bool counted = share == 1.0 || i < atom->nlocal;
-      double kept = bond_energy(bond, constants, shape, line), power_kept = elastic_power();
+      double kept = shape.broken() ? 0.0 : Law::energy(bond, constants, shape, line),
+             power_kept = elastic_power();
       if (counted && before.crack_a == 0.0 && before.crack_b == 0.0) lost.cracked += 1.0;
       if (counted && shape.broken()) lost.broken += 1.0;
-      if (counted && shape.broken() && log_breakages) note_breakage(number, before, line, energy);
-      bonded_.at(B::crack_a, number) = shape.crack_a;
-      bonded_.at(B::crack_b, number) = shape.crack_b;
+      if (counted && shape.broken() && log_breakages) {
+        note_breakage(number, Law::mode(bond, constants, line, before), before, line, energy);
+      }
+      bonded_.crack(number, shape.crack_a, shape.crack_b);
       if (shape.broken()) {
         const double distance = std::sqrt(square);
-        const double push = -bond_normal_force(bond, constants, before, line);
+        const double push = -Law::normal_force(bond, constants, before, line);
         const Taken taken = take_over(number, sum - distance, push, energy);
         kept = taken.energy;
         power_kept = taken.push * (pose.v.x * pose.d.x + pose.v.y * pose.d.y) / distance;
@@ -144,7 +135,7 @@ void PairFloe::bond_alone(int number, Losses &lost) {
     }
   }
   double watt;
-  const PairForce force = bond_force(bond, constants, shape, line, pose, watt);
+  const PairForce force = Law::template force<true>(bond, constants, shape, line, pose, watt);
   add_load<Exact>(fix_->loads.data(), i, {force.f.x, force.f.y, force.torque_lo, 0.0});
   add_load<Exact>(fix_->loads.data(), j, {-force.f.x, -force.f.y, force.torque_hi, 0.0});
   if (!exact_losses) {
@@ -153,13 +144,16 @@ void PairFloe::bond_alone(int number, Losses &lost) {
   }
   BondLine still = line;
   still.dn = still.dn_slope = still.dt = 0.0;
-  const PairForce part = bond_force(bond, constants, shape, still, pose, watt);
+  const PairForce part = Law::template force<true>(bond, constants, shape, still, pose, watt);
   Load *damped = fix_->damped_bond.data();
   add_load<false>(damped, i, {part.f.x, part.f.y, part.torque_lo, 0.0});
   add_load<false>(damped, j, {-part.f.x, -part.f.y, part.torque_hi, 0.0});
 }
 
-template void PairFloe::bond_alone<true>(int, Losses &);
-template void PairFloe::bond_alone<false>(int, Losses &);
+#define FLOE_BOND_ALONE(Law)                                    \
+  template void PairFloe::bond_alone<Law, true>(int, Losses &); \
+  template void PairFloe::bond_alone<Law, false>(int, Losses &);
+FLOE_BOND_LAWS(FLOE_BOND_ALONE)
+#undef FLOE_BOND_ALONE
 
 }  // namespace floe

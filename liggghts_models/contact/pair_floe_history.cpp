@@ -34,18 +34,19 @@ double PairFloe::reduced_mass(int i, int j) const {
   return mass[lo] * mass[hi] / (mass[lo] + mass[hi]);
 }
 
+ContactSide PairFloe::side_of(int i) const { return {atom->radius[i], fix_->thickness[i]}; }
+
 ContactConstants PairFloe::contact_of(int lo, int hi) const {
-  const double reduced = reduced_mass(lo, hi);
-  if (contact.law == ContactLaw::linear) {
-    return contact_constants(contact, fix_->thickness[lo], fix_->thickness[hi], reduced,
-                             update->dt);
-  }
-  const double stiffness = hertz_stiffness(contact, atom->radius[lo], atom->radius[hi]);
-  return {stiffness, contact_damping(contact, stiffness, reduced, 0.0)};
+  return ContactLaws::with(contact.law, [&](auto law) {
+    const double stiffness = law.stiffness(contact, side_of(lo), side_of(hi));
+    const double bound = law.constant ? update->dt : 0.0;
+    return ContactConstants{stiffness,
+                            contact_damping(contact, stiffness, reduced_mass(lo, hi), bound)};
+  });
 }
 
 BondConstants PairFloe::constants_of(const BondShape &shape, int i, int j) const {
-  return bond_constants(bond, shape, envelope_strength(shape.thickness), reduced_mass(i, j));
+  return bond_constants(bond, shape, compressive_strength(shape.thickness), reduced_mass(i, j));
 }
 
 void PairFloe::read_history() {
@@ -91,8 +92,8 @@ void PairFloe::write_history() {
   for (int k = 0; k < bonded_.count; ++k) {
     double *h = bonded_.places[k].history;
     if (!h) continue;
-    h[slot::crack_a] = bonded_.at(BondBlock::crack_a, k);
-    h[slot::crack_b] = bonded_.at(BondBlock::crack_b, k);
+    h[slot::crack_a] = bonded_.crack_a(k);
+    h[slot::crack_b] = bonded_.crack_b(k);
   }
   for (std::size_t k = 0; k < contacts_.ends.size(); ++k) {
     double *h = contacts_.places[k].history;

@@ -36,14 +36,10 @@ BondShape PairFloe::shape_of(int number) {
   using B = BondBlock;
   const auto at = [&](B::Column column) { return bonded_.at(column, number); };
   const double *h = bonded_.places[number].history;
-  return {{at(B::lo_ax), at(B::lo_ay)},
-          {at(B::lo_bx), at(B::lo_by)},
-          {at(B::hi_ax), at(B::hi_ay)},
-          {at(B::hi_bx), at(B::hi_by)},
-          h ? h[slot::span] : 0.0,
-          h ? h[slot::bond_thickness] : 0.0,
-          at(B::crack_a),
-          at(B::crack_b)};
+  return {{at(B::lo_ax), at(B::lo_ay)}, {at(B::lo_bx), at(B::lo_by)},
+          {at(B::hi_ax), at(B::hi_ay)}, {at(B::hi_bx), at(B::hi_by)},
+          h ? h[slot::span] : 0.0,      h ? h[slot::bond_thickness] : 0.0,
+          bonded_.crack_a(number),      bonded_.crack_b(number)};
 }
 
 BondConstants PairFloe::constants_at(int number) {
@@ -62,7 +58,7 @@ BondPose PairFloe::pose_of(int number) {
 void PairFloe::each_pair(const std::function<void(const PairState &)> &visit) {
   make_current();
   write_history();
-  const std::vector<Body> &bodies = fix_->bodies;
+  const LongArray<Body> &bodies = fix_->bodies;
   for (int k = 0; k < bonded_.count; ++k) {
     if (!bonded_.places[k].history) continue;
     const int lo = bonded_.block(k).lo[k & 3], hi = bonded_.block(k).hi[k & 3];
@@ -70,8 +66,11 @@ void PairFloe::each_pair(const std::function<void(const PairState &)> &visit) {
     const BondConstants constants = constants_at(k);
     const BondPose pose = pose_of(k);
     const BondLine line = bond_line(shape, pose);
-    double watt;
-    const PairForce force = bond_force(bond, constants, shape, line, pose, watt);
+    double watt, energy = 0.0;
+    const PairForce force = BondLaws::with(bond.law, [&](auto law) {
+      energy = law.energy(bond, constants, shape, line);
+      return law.template force<true>(bond, constants, shape, line, pose, watt);
+    });
     const bool own = lo < atom->nlocal;
     const double sign = own ? 1.0 : -1.0;
     visit({own ? lo : hi,
@@ -80,8 +79,8 @@ void PairFloe::each_pair(const std::function<void(const PairState &)> &visit) {
            {sign * force.f.x, sign * force.f.y},
            own ? force.torque_lo : force.torque_hi,
            own ? force.torque_hi : force.torque_lo,
-           bond_energy(bond, constants, shape, line),
-           bonded_.at(BondBlock::share, k),
+           energy,
+           bonded_.share(k),
            bonded_.places[k].history,
            k});
   }
@@ -141,34 +140,30 @@ BondState PairFloe::bond_state(int number) {
   const auto [least, most] = bond_range(line, shape);
   const int lo = bonded_.block(number).lo[number & 3], hi = bonded_.block(number).hi[number & 3];
   const Body &body = fix_->bodies[lo];
-  return {lo,
-          hi,
-          std::max(0.0, shape.xi_hi() - shape.xi_lo()),
-          bond.young * least / shape.span,
-          bond.young * most / shape.span,
-          bond.shear * line.dt / shape.span,
-          shape.thickness,
-          shape.span,
-          bonded_.at(BondBlock::length, number),
-          bond_energy(bond, constants_at(number), shape, line),
-          {body.x + line.arm_lo.x, body.y + line.arm_lo.y}};
+  return {
+      lo,
+      hi,
+      std::max(0.0, shape.xi_hi() - shape.xi_lo()),
+      bond.young * least / shape.span,
+      bond.young * most / shape.span,
+      bond.shear * line.dt / shape.span,
+      shape.thickness,
+      shape.span,
+      bonded_.at(BondBlock::length, number),
+      BondLaws::with(bond.law,
+                     [&](auto law) { return law.energy(bond, constants_at(number), shape, line); }),
+      {body.x + line.arm_lo.x, body.y + line.arm_lo.y}};
 }
 
-void PairFloe::note_breakage(int number, const BondShape &before, const BondLine &line,
-                             double energy) {
+void PairFloe::note_breakage(int number, BreakageMode mode, const BondShape &before,
+                             const BondLine &line, double energy) {
   BondShape shape = shape_of(number);
   shape.crack_a = before.crack_a;
   shape.crack_b = before.crack_b;
   const auto [least, most] = bond_range(line, shape);
-  const BondConstants constants = constants_at(number);
   const int lo = bonded_.block(number).lo[number & 3], hi = bonded_.block(number).hi[number & 3];
-  const bool crushed = !parallel && least < bond_limits(bond, constants, line).least;
-  const double failed = crushed ? least : most;
+  const double failed = mode == BreakageMode::compression ? least : most;
   const double stress = bond.young * failed / shape.span;  // Pa
-  const bool pulled = stress > (parallel ? parallel_strength(shape.thickness).tensile : 0.0);
-  const BreakageMode mode = crushed  ? BreakageMode::compression
-                            : pulled ? BreakageMode::tension
-                                     : BreakageMode::shear;
   const Body &body = fix_->bodies[lo];
   breakages.push_back({update->ntimestep, atom->tag[lo], atom->tag[hi], body.x + line.arm_lo.x,
                        body.y + line.arm_lo.y,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -24,7 +25,35 @@ using namespace LAMMPS_NS;
 
 namespace floe {
 
+namespace {
+
 constexpr double degree = M_PI / 180.0;
+
+// Whether a law of the list has such a keyword.
+template <typename Laws>
+bool knows(Laws laws, const std::string &key) {
+  bool found = false;
+  laws.each([&](auto law) {
+    for (const LawKeyword &word : law.keywords) found |= word.name && key == word.name;
+  });
+  return found;
+}
+
+// The chosen law's own numbers: as given, else their defaults.
+template <typename Laws>
+void take_own(Laws laws, int number, const std::map<std::string, double> &given,
+              double (&own)[law_keywords]) {
+  laws.with(number, [&](auto law) {
+    for (int k = 0; k < law_keywords; ++k) {
+      const LawKeyword &word = law.keywords[k];
+      if (!word.name) continue;
+      const auto found = given.find(word.name);
+      own[k] = found == given.end() ? word.value : found->second;
+    }
+  });
+}
+
+}  // namespace
 
 PairFloe::~PairFloe() {
   auto *fix = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
@@ -56,6 +85,11 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
     if (std::strcmp(arg[k], "no")) fail(key + " takes yes or no");
     return false;
   };
+  const auto law = [&](const std::string &key, auto laws) {
+    const int number = laws.number(++k < narg ? arg[k] : "");
+    if (number < 0) fail(key + " takes " + laws.names());
+    return number;
+  };
   words_.clear();
   for (int n = 0; n < narg; ++n) words_ += std::string(n ? " " : "") + arg[n];
   double poisson = defaults::poisson;
@@ -64,13 +98,14 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   bond.tensile_share = defaults::tensile_share;
   bond.tan_phi = std::tan(defaults::friction_angle * degree);
   compressive = defaults::compressive_strength;
-  parallel_shear = defaults::tensile_share;  // as strong as in tension
   contact.young = defaults::contact_young;
   contact.shear_ratio = defaults::contact_shear_ratio;
   contact.damping = defaults::contact_damping;
   contact.friction = defaults::friction_coefficient;
   ridge = {defaults::ridge_force, defaults::ridge_hardening, defaults::ridge_thickness,
            defaults::lead_softening};
+  int bond_law = 0;
+  std::map<std::string, double> own;  // keywords of single laws
   for (; k < narg; ++k) {
     const std::string key = arg[k];
     if (key == "bonds")
@@ -81,16 +116,12 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
       ridging = flag(key);
     else if (key == "fixed_contacts")
       fixed_contacts = flag(key);
-    else if (key == "bond_law") {
-      const std::string law = ++k < narg ? arg[k] : "";
-      if (law != "glue" && law != "parallel") fail("bond_law takes glue or parallel");
-      parallel = law == "parallel";
-    } else if (key == "contact_law") {
-      const std::string law = ++k < narg ? arg[k] : "";
-      if (law != "linear" && law != "hertz") fail("contact_law takes linear or hertz");
-      contact.law = law == "hertz" ? ContactLaw::hertz : ContactLaw::linear;
-    } else if (key == "shear_share")
-      parallel_shear = number(key, true);
+    else if (key == "bond_law")
+      bond_law = law(key, BondLaws{});
+    else if (key == "contact_law")
+      contact.law = law(key, ContactLaws{});
+    else if (knows(BondLaws{}, key) || knows(ContactLaws{}, key))
+      own[key] = number(key, true);
     else if (key == "deterministic")
       deterministic = flag(key);
     else if (key == "exact_losses")
@@ -138,8 +169,10 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   }
   if (poisson >= 0.5) fail("poisson must be below 0.5");
   if (reach < 1.0) fail("reach must be at least 1");
-  if (ridging && contact.law == ContactLaw::hertz) {
-    fail("ridging yes needs contact_law linear: ridges close by a spring of constant stiffness");
+  const auto constant = [](auto law) { return law.constant; };
+  if (ridging && !ContactLaws::with(contact.law, constant)) {
+    fail("ridging yes needs contact_law " + ContactLaws::names(constant) +
+         ": ridges close by a spring of constant stiffness");
   }
   contact.poisson = poisson;
   // LIGGGHTS has thrown the style that was there away, with the history of all pairs.
@@ -150,13 +183,15 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
         "set it after read_restart");
   }
   contact.damping_ratio = std::sqrt(contact.shear_ratio);
-  if (parallel) {
-    parallel_tensile = bond.tensile_share;
-    if (!(parallel_tensile > 0.0)) fail("bond_law parallel needs a tensile_share above 0");
-    bond.tan_phi = parallel_envelope({parallel_tensile, parallel_shear});
-    bond.tensile_share = 1.0;
-  }
+  take_own(ContactLaws{}, contact.law, own, contact.own);
   bond = bond_material(bond.young, poisson, bond.damping, bond.tensile_share, bond.tan_phi);
+  bond.law = bond_law;
+  take_own(BondLaws{}, bond.law, own, bond.own);
+  BondLaws::with(bond.law, [&](auto law) {
+    if (const char *fault = law.fault(bond)) {
+      fail("bond_law " + std::string(law.name) + " " + fault);
+    }
+  });
   for (int slot = 0; slot < history_size(); ++slot) {
     setup->add_history_value("floe_" + std::to_string(slot), "0");
   }

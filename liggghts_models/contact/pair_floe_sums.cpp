@@ -42,8 +42,10 @@ PairSums PairFloe::sums(PairGran *pg) {
         const BondPose pose{
             d, {turn[lo][0], turn[lo][1]}, {turn[hi][0], turn[hi][1]}, {0.0, 0.0}, 0.0, 0.0};
         const BondShape shape = bond_shape(h);
-        out.elastic_bond +=
-            weight * bond_energy(bond, constants_of(shape, lo, hi), shape, bond_line(shape, pose));
+        const BondConstants constants = constants_of(shape, lo, hi);
+        out.elastic_bond += weight * BondLaws::with(bond.law, [&](auto law) {
+                              return law.energy(bond, constants, shape, bond_line(shape, pose));
+                            });
         out.bonds += weight;
         continue;
       }

@@ -33,8 +33,6 @@ struct BondState {
   Vec2 centre;             // of the line, m
 };
 
-enum class BreakageMode { tension = 1, shear = 2, compression = 3 };
-
 struct Breakage {
   long long step;
   int lo, hi;  // ids

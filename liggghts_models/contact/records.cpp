@@ -8,6 +8,8 @@ namespace floe {
 void BondRecords::clear() {
   count = 0;
   blocks.clear();
+  rests.clear();
+  plain.clear();
   places.clear();
 }
 
@@ -16,24 +18,39 @@ void BondRecords::add(int lo, int hi, double share, const BondShape &b, const Bo
   const int k = count++;
   // The lanes behind the last bond hold copies of the block's first, which are not counted.
   const int last = k % 4 == 0 ? k + 4 : k + 1;
-  if (k % 4 == 0) blocks.emplace_back();
+  if (k % 4 == 0) {
+    blocks.emplace_back();
+    rests.emplace_back();
+    plain.push_back(true);
+  }
+  if (b.crack_a != 0.0 || b.crack_b != 0.0 || share != 1.0) plain.back() = false;
   for (int lane = k; lane < last; ++lane) {
-    const double values[BondBlock::column_count] = {
-        b.lo_a.x,  b.lo_a.y,  b.lo_b.x, b.lo_b.y, b.hi_a.x,  b.hi_a.y,  b.hi_b.x, b.hi_b.y,
-        b.crack_a, b.crack_b, c.length, c.ratio,  c.damping, c.squeeze, share};
+    const double values[BondBlock::column_count] = {b.lo_a.x, b.lo_a.y, b.lo_b.x,  b.lo_b.y,
+                                                    b.hi_a.x, b.hi_a.y, b.hi_b.x,  b.hi_b.y,
+                                                    c.length, c.ratio,  c.damping, c.squeeze};
     for (int column = 0; column < BondBlock::column_count; ++column) {
       blocks.back().column[column][lane & 3] = values[column];
     }
     blocks.back().lo[lane & 3] = lo;
     blocks.back().hi[lane & 3] = hi;
+    rests.back().crack_a[lane & 3] = b.crack_a;
+    rests.back().crack_b[lane & 3] = b.crack_b;
+    rests.back().share[lane & 3] = share;
   }
   places.push_back(place);
 }
 
+void BondRecords::crack(int k, double a, double b) {
+  rests[k >> 2].crack_a[k & 3] = a;
+  rests[k >> 2].crack_b[k & 3] = b;
+  plain[k >> 2] = false;
+}
+
 void BondRecords::remove(int k) {
-  at(BondBlock::ratio, k) = at(BondBlock::damping, k) = at(BondBlock::share, k) = 0.0;
-  at(BondBlock::crack_a, k) = at(BondBlock::crack_b, k) = 0.0;
+  at(BondBlock::ratio, k) = at(BondBlock::damping, k) = 0.0;
   at(BondBlock::squeeze, k) = std::numeric_limits<double>::max();
+  crack(k, 0.0, 0.0);
+  rests[k >> 2].share[k & 3] = 0.0;
   block(k).hi[k & 3] = block(k).lo[k & 3];
   places[k] = {nullptr, nullptr};
 }

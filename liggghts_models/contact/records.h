@@ -10,6 +10,7 @@
 
 #include "bond.h"
 #include "contact.h"
+#include "large_pages.h"
 #include "ridge.h"
 
 namespace floe {
@@ -20,8 +21,8 @@ struct Place {
   int *flag;
 };
 
-// Four bonds, column by column, as packs read them; one bond takes two cache lines.
-struct alignas(64) BondBlock {
+// Four bonds, column by column, as packs read them: what every step needs of every bond.
+struct alignas(32) BondBlock {
   enum Column {
     lo_ax,
     lo_ay,
@@ -31,22 +32,30 @@ struct alignas(64) BondBlock {
     hi_ay,
     hi_bx,
     hi_by,
-    crack_a,
-    crack_b,
     length,
     ratio,
     damping,
     squeeze,
-    share,  // 1, or 1/2 for a pair that two ranks meet
     column_count
   };
   double column[column_count][4];
   int lo[4], hi[4];  // elements with the lower and the higher id
 };
 
+// What most bonds do not need: where all four are whole and met by one rank only, it is not read.
+struct alignas(32) BondRest {
+  double crack_a[4], crack_b[4];  // cracked shares of the line
+  double share[4];                // 1, or 1/2 for a pair that two ranks meet
+};
+
+// The same of all blocks that are plain: it stays in the cache.
+constexpr BondRest plain_rest{{}, {}, {1.0, 1.0, 1.0, 1.0}};
+
 struct BondRecords {
   int count = 0;
-  std::vector<BondBlock> blocks;
+  LongArray<BondBlock> blocks;
+  LongArray<BondRest> rests;
+  std::vector<char> plain;    // of each block: all whole, all met by one rank
   std::vector<Place> places;  // history is null where the bond has broken
 
   void clear();
@@ -55,6 +64,11 @@ struct BondRecords {
   void remove(int k);
   BondBlock &block(int k) { return blocks[k >> 2]; }
   double &at(BondBlock::Column column, int k) { return blocks[k >> 2].column[column][k & 3]; }
+  const BondRest &rest(int k) const { return plain[k >> 2] ? plain_rest : rests[k >> 2]; }
+  double crack_a(int k) const { return rests[k >> 2].crack_a[k & 3]; }
+  double crack_b(int k) const { return rests[k >> 2].crack_b[k & 3]; }
+  double share(int k) const { return rests[k >> 2].share[k & 3]; }
+  void crack(int k, double a, double b);
 };
 
 // A pair that is not bonded, as listed: the sign of j's bits says whether it has a contact.
@@ -73,11 +87,14 @@ struct alignas(32) RidgeRow {
   double closing, thickness, length, limit;  // m, m, m; force at which it closes, N
 };
 
+// What a step moves: benchmarks/roofline.py counts with these.
+static_assert(sizeof(BondBlock) == 4 * 104 && sizeof(Ends) == 8 && sizeof(ContactRow) == 32);
+
 struct ContactRecords {
-  std::vector<Ends> ends;
-  std::vector<ContactRow> rows;
-  std::vector<RidgeRow> ridges;  // with ridging only, as the next
-  std::vector<double> covers;    // share of ice between the centres
+  LongArray<Ends> ends;
+  LongArray<ContactRow> rows;
+  LongArray<RidgeRow> ridges;  // with ridging only, as the next
+  LongArray<double> covers;    // share of ice between the centres
   std::vector<Place> places;
 
   void clear();

@@ -23,9 +23,9 @@ ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose
   const PairFloe &laws = *wall.laws;
   // All the spring is the element's ice, all the mass its own.
   const double stiffness = wall.stiffness(i, pose.radius_one);
-  const bool hertz = laws.contact.law == ContactLaw::hertz;
-  const ContactConstants at_once{stiffness, contact_damping(laws.contact, stiffness, mass,
-                                                            hertz ? 0.0 : wall.fix->step_length())};
+  const bool constant = ContactLaws::with(laws.contact.law, [](auto law) { return law.constant; });
+  const double bound = constant ? wall.fix->step_length() : 0.0;
+  const ContactConstants at_once{stiffness, contact_damping(laws.contact, stiffness, mass, bound)};
   const bool advance = step > 0.0;
   double rest = h.rest_overlap, slip = h.slip, limit = 0.0;
   double overlap =
@@ -72,8 +72,9 @@ ContactForce evaluate(const WallLaw &wall, int i, double mass, const ContactPose
 }  // namespace
 
 double WallLaw::stiffness(int i, double radius) const {
-  return laws->contact.law == ContactLaw::hertz ? hertz_wall_stiffness(laws->contact, radius)
-                                                : laws->contact.young * fix->thickness[i];
+  return ContactLaws::with(laws->contact.law, [&](auto law) {
+    return law.wall_stiffness(laws->contact, {radius, fix->thickness[i]});
+  });
 }
 
 double WallLaw::overlap(const ContactPose &pose, const WallHistory &h) const {

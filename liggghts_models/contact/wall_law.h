@@ -31,7 +31,7 @@ struct WallLaw {
   // which the history advances; 0: only evaluate.
   ContactForce force(int i, double mass, const ContactPose &pose, double step,
                      WallHistory &history) const;
-  double stiffness(int i, double radius) const;  // normal, N/m; of Hertz' law at an overlap of 1 m
+  double stiffness(int i, double radius) const;  // normal, N/m, at an overlap of 1 m
   // Elastic overlap, m; at most 0: no force.
   double overlap(const ContactPose &pose, const WallHistory &history) const;
   // Elastic energy, J, of an evaluated history.

@@ -16,6 +16,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.figure import Figure
 
 WALLS = {
     "ice_arch": ["strait.stl"],
@@ -29,6 +30,8 @@ COLOUR = {
     "ice_arch": "damage",
     "cyclone": "damage",
     "cylinder": "damage",
+    "bonded_raft": "damage",
+    "restart": "damage",
 }
 SERIES = {"brazilian": "load.brazilian", "cylinder": "load.cylinder"}
 
@@ -73,18 +76,41 @@ def draw(name: str) -> None:
     axes.locator_params(nbins=5)
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
-    figure.savefig(f"{name}.png", dpi=90, metadata={"Software": None})
-    plt.close(figure)
+    save(figure, name)
     if name in SERIES:
         steps, load = np.loadtxt(SERIES[name], unpack=True)
         figure, axes = plt.subplots(figsize=(6, 3), layout="constrained")
         axes.plot(steps, load)
         axes.set_xlabel("step")
         axes.set_ylabel("load (N)")
-        figure.savefig(f"{name}_load.png", dpi=90, metadata={"Software": None})
-        plt.close(figure)
+        save(figure, f"{name}_load")
+
+
+def draw_cantilever() -> None:
+    """Deflection of the chain of discs beside that of its bonds, as in.cantilever has them."""
+    columns, rows = last_frame("cantilever")
+    x, y = (rows[:, columns.index(c)] for c in ("x", "y"))
+    load, spacing, width, young, bonds = 100.0, 2.0, 1.6, 1e7, 10
+    at = spacing * (np.arange(bonds) + 0.5)
+    turn = load * (bonds * spacing - at) * 12 * spacing / (young * width**3)
+    slide = load * spacing / (young / 2.6 * width)
+    places = spacing * np.arange(bonds + 1)
+    sag = [np.sum((turn * (p - at) + slide)[at < p]) for p in places]
+    figure, axes = plt.subplots(figsize=(6, 3), layout="constrained")
+    axes.plot(places, -1e3 * np.array(sag), color="0.4", label="chain of bonds, closed form")
+    axes.plot(x, 1e3 * y, "o", label="discs")
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("deflection (mm)")
+    axes.legend()
+    save(figure, "cantilever")
+
+
+def save(figure: Figure, name: str) -> None:
+    """Write a picture beside the dumps."""
+    figure.savefig(f"{name}.png", dpi=90, metadata={"Software": None})
+    plt.close(figure)
 
 
 if __name__ == "__main__":
     for word in sys.argv[1:]:
-        draw(word)
+        draw_cantilever() if word == "cantilever" else draw(word)

@@ -7,6 +7,8 @@
 #include "atom.h"
 #include "fix_floe_integrate.h"
 #include "orientation.h"
+#include "output.h"
+#include "plugin.h"
 #include "update.h"
 
 using namespace LAMMPS_NS;
@@ -27,6 +29,12 @@ void add_external(floe::Ledger &sum, const floe::DriftStep &step, floe::Vec2 mea
   sum.work_tilt += work(step.tilt);
   sum.impulse_tilt_x += step.tilt.x;
   sum.impulse_tilt_y += step.tilt.y;
+}
+
+void add_seabed(floe::SeabedLedger &sum, floe::Vec2 impulse, floe::Vec2 mean) {
+  sum.impulse_x += impulse.x;
+  sum.impulse_y += impulse.y;
+  sum.dissipation -= impulse.x * mean.x + impulse.y * mean.y;
 }
 
 }  // namespace
@@ -76,7 +84,7 @@ floe::DampingWork FixFloeIntegrate::damping_to_now() const {
 
 void FixFloeIntegrate::initial_integrate(int) {
   if (with_variables_) sample_variables();
-  if (law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt)
+  if (law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt || seabed.use)
     advance<true>();
   else
     advance<false>();
@@ -98,32 +106,72 @@ void FixFloeIntegrate::advance() {
     if (fused) std::fill(loads.begin() + first, loads.begin() + last, floe::Load{});
     // Of all elements: for those that did not turn it changes nothing.
     if (!use_orientation) continue;
-    floe::write_turns(theta + first, last - first, turn[first]);
-    for (int i = first; i < last && fused; ++i) {
-      bodies[i].cos = turn[i][0];
-      bodies[i].sin = turn[i][1];
+    if (fused) {
+      double turns[2 * group];
+      floe::write_turns(theta + first, last - first, turns);
+      for (int i = first; i < last; ++i) {
+        bodies[i].cos = turns[2 * (i - first)];
+        bodies[i].sin = turns[2 * (i - first) + 1];
+      }
+    } else {
+      floe::write_turns(theta + first, last - first, turn[first]);
     }
   }
   ledger = sum;
   first_kick = false;
   loads_cleared = fused;
+  arrays_current_ = !fused;
+  if (output_now()) write_velocities();
+  if (!arrays_current_) write_sent();
+}
+
+// Whether somebody may look at the elements after this step.
+bool FixFloeIntegrate::output_now() const {
+  return update->ntimestep == update->laststep || update->ntimestep == output->next;
+}
+
+void FixFloeIntegrate::write_velocity(int i) {
+  const floe::Body &body = bodies[i];
+  atom->v[i][0] = body.u;
+  atom->v[i][1] = body.v;
+  atom->omega[i][2] = body.spin;
+  turn[i][0] = body.cos;
+  turn[i][1] = body.sin;
+}
+
+void FixFloeIntegrate::write_velocities() {
+  if (arrays_current_) return;
+  for (int i = 0; i < atom->nlocal; ++i) write_velocity(i);
+  arrays_current_ = true;
+}
+
+// LIGGGHTS hands velocities to ghosts from its arrays.
+void FixFloeIntegrate::write_sent() {
+  const int nlocal = atom->nlocal;
+  floe::each_sent(comm, [this, nlocal](int i) {
+    if (i < nlocal) write_velocity(i);
+  });
 }
 
 template <bool External, bool Fused>
 void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime &time,
                                     floe::Ledger &sum) {
   using floe::Vec2;
-  double **const x = atom->x, **const v = atom->v, **const omega = atom->omega;
+  double **const v = atom->v, **const omega = atom->omega;
+  double (*const x)[3] =
+      reinterpret_cast<double (*)[3]>(atom->x[0]);  // LIGGGHTS' rows are one array
   double *const *const f = atom->f, *const *const torques = atom->torque;
   floe::Body *const body = bodies.data();
   const floe::Load *const load = loads.data();
+  const bool from_body = Fused && !arrays_current_;
   const double *radius = atom->radius, *mass = atom->rmass;
   const int *type = atom->type, *mask = atom->mask;
   const double step = update->dt;
   const bool exact = !damped_contact.empty();
+  const bool grounds = seabed.use && !forcing.depth.empty();
 
   for (int i = first; i < last; ++i) {
-    if (!(mask[i] & groupbit)) {
+    if (!Fused && !(mask[i] & groupbit)) {
       theta[i] += step * omega[i][2];  // whoever moves it, its bonds turn with it
       continue;
     }
@@ -136,16 +184,20 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
       sum.impulse_fixed_y += contact.y * step;
       continue;
     }
-    const Vec2 u{v[i][0], v[i][1]};
-    const double m = mass[i], r = radius[i], spin = omega[i][2];
+    const double *const speed = from_body ? &body[i].u : v[i];
+    const Vec2 u{speed[0], speed[1]};
+    const double m = mass[i], r = Fused ? body[i].radius : radius[i];
+    const double spin = from_body ? body[i].spin : omega[i][2];
     floe::DriftStep out;
-    double new_spin;
+    double new_spin, limit = 0.0;
     if constexpr (External) {
       const double area = ice_area[i] < 0.0 ? M_PI * r * r : ice_area[i];
-      floe::ForcingSample here = floe::sample_forcing(forcing, time, x[i][0], x[i][1]);
+      floe::ForcingSample here = floe::forcing_on(forcing, time, x[i][0], x[i][1], r);
       if (with_variables_) take_variables(i, here);
-      out =
-          floe::drift_step(law, {u, contact, m, area, here.wind, here.ocean, here.coriolis}, step);
+      const floe::DriftInput in{u, contact, m, area, here.wind, here.ocean, here.coriolis};
+      if (grounds) limit = floe::seabed_limit(seabed, thickness[i], cover[i], area, here.depth);
+      out = limit > 0.0 ? floe::grounded_step(law, in, limit, seabed.creep, step)
+                        : floe::drift_step(law, in, step);
       new_spin =
           floe::spin_step(law.use_ocean, law.water, spin, torque, m, r, area, here.vorticity, step);
     } else {
@@ -168,6 +220,7 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     if (exact) count_damping(i, u, out.u_new, spin, new_spin, sum);
     if constexpr (External) {
       add_external(sum, out, mean);
+      if (limit > 0.0) add_seabed(seabed_ledger, out.seabed, mean);
       double *const given = impulse[i];
       given[0] += out.wind.x;
       given[1] += out.wind.y;
@@ -175,17 +228,18 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
       given[3] += out.ocean.y;
     }
     const Vec2 place{x[i][0] + step * out.u_new.x, x[i][1] + step * out.u_new.y};
-    v[i][0] = out.u_new.x;
-    v[i][1] = out.u_new.y;
     x[i][0] = place.x;
     x[i][1] = place.y;
-    omega[i][2] = new_spin;
     if (Fused) {
       body[i].x = place.x;
       body[i].y = place.y;
       body[i].u = out.u_new.x;
       body[i].v = out.u_new.y;
       body[i].spin = new_spin;
+    } else {
+      v[i][0] = out.u_new.x;
+      v[i][1] = out.u_new.y;
+      omega[i][2] = new_spin;
     }
     theta[i] += step * new_spin;
   }

@@ -41,8 +41,11 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
       fused(false),
       use_orientation(true),
       law{},
+      seabed{false, floe::defaults::keel_ratio, floe::defaults::seabed_strength,
+             floe::defaults::seabed_creep, floe::defaults::seabed_openness},
       start_time(0.0),
       ask_fused(false),
+      arrays_current_(true),
       first_kick(true),
       stop_at_fault(true),
       default_thickness(1.0),
@@ -125,6 +128,20 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
       law.use_coriolis = flag(name);
     else if (key == "tilt")
       law.use_tilt = flag(name);
+    else if (key == "seabed")
+      seabed.use = flag(name);
+    else if (key == "keel_ratio") {
+      seabed.keel_ratio = number(name);
+      if (seabed.keel_ratio <= 0.0) fail("keel_ratio must be above 0");
+    } else if (key == "seabed_strength")
+      seabed.strength = not_negative(name);
+    else if (key == "seabed_creep") {
+      seabed.creep = number(name);
+      if (seabed.creep <= 0.0) fail("seabed_creep must be above 0");
+    } else if (key == "seabed_openness")
+      seabed.openness = not_negative(name);
+    else if (key == "depth")
+      forcing.depth.assign(1, not_negative(name));
     else if (key == "fused")
       ask_fused = flag(name);
     else if (key == "stop_at_fault")
@@ -156,6 +173,8 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
     else
       fail("unknown keyword " + key);
   }
+  // FloeFlow's engine, which asks for fused, gives the depth with the forcing.
+  if (seabed.use && forcing.depth.empty() && !ask_fused) fail("seabed yes needs depth");
 }
 
 double FixFloeIntegrate::step_length() const { return update->dt; }
@@ -214,6 +233,7 @@ void FixFloeIntegrate::warn_of_others() {
 }
 
 void FixFloeIntegrate::pre_exchange() {
+  write_velocities();
   // A run without set-up begins here: what moves now goes to other ranks with all that it has.
   between_runs_ = false;
   if (pairs) pairs->lists_change();

@@ -17,7 +17,9 @@
 #include "drag.h"
 #include "fix.h"
 #include "forcing.h"
+#include "large_pages.h"
 #include "ledger.h"
+#include "seabed.h"
 
 namespace floe {
 class PairFloe;
@@ -74,13 +76,13 @@ class FixFloeIntegrate : public Fix {
   double *ridged_area;  // m2, turned into ridges since the element was made
   double *bonds_made;   // how many bonds the element was given
   double **impulse;     // N s, of wind (x, y) and of the ocean (x, y), since the element was made
-  double **turn;        // cosine and sine of theta, of elements and ghosts
+  double **turn;  // cosine and sine of theta, of elements and ghosts, as current as velocities
 
   // What the pair style reads and adds up, of elements and ghosts: valid from one evaluation of the
   // pairs to the next, in LIGGGHTS' order. The parts that damping has in the loads are there with
   // exact_losses only.
-  std::vector<floe::Body> bodies;
-  std::vector<floe::Load> loads, damped_bond, damped_contact;
+  floe::LongArray<floe::Body> bodies;
+  floe::LongArray<floe::Load> loads, damped_bond, damped_contact;
   bool loads_cleared;     // those of this rank's own elements, by the integrator
   floe::PairFloe *pairs;  // null with another pair style
   // Asked for with the keyword `fused` and nothing else sees forces or moves elements: the integrator
@@ -88,6 +90,9 @@ class FixFloeIntegrate : public Fix {
   // forces are not touched.
   bool fused;
   void write_forces();  // into LIGGGHTS' arrays, for others to read
+  // Fused, velocities, spins and orientations lie in the bodies alone, but for elements that other
+  // ranks see, until a run ends, lists are made anew or something is printed.
+  void write_velocities();
   // Energy (J) that damping takes in the half of a step that leads from the present velocities, which
   // belong to half a step ago, to those at the time of the positions.
   floe::DampingWork damping_to_now() const;
@@ -95,10 +100,12 @@ class FixFloeIntegrate : public Fix {
   bool use_orientation;  // false where no bond needs cosine and sine
 
   floe::DriftLaw law;
+  floe::SeabedLaw seabed;
   floe::ForcingGrid forcing;
   double start_time;           // s, time of step 0 on the forcing's axis
   double step_length() const;  // s
   floe::Ledger ledger;
+  floe::SeabedLedger seabed_ledger;
   floe::Fault fault;
 
  private:
@@ -118,7 +125,11 @@ class FixFloeIntegrate : public Fix {
   void find_variables();
   void sample_variables();
   void take_variables(int i, floe::ForcingSample &here) const;
-  bool ask_fused;  // by keyword
+  bool output_now() const;
+  void write_velocity(int i);
+  void write_sent();
+  bool ask_fused;        // by keyword
+  bool arrays_current_;  // velocities, spins and orientations of LIGGGHTS' arrays
   bool has_run_ = false;
   bool between_runs_ = false;  // commands may change the elements
   bool first_kick;             // no step was made since the elements were set

@@ -20,8 +20,12 @@ using namespace LAMMPS_NS;
 namespace {
 
 // Of the numbers in a restart file: raised whenever their layout changes.
-constexpr double restart_version = 3.0;
-constexpr int ledger_size = sizeof(floe::Ledger) / sizeof(double);
+constexpr double restart_version = 4.0;
+struct Kept {
+  floe::Ledger ledger;
+  floe::SeabedLedger seabed;
+};
+constexpr int kept_size = sizeof(Kept) / sizeof(double);
 // Of one element, how many they are included.
 constexpr int element_numbers = 1 + FixFloeIntegrate::own_numbers;
 
@@ -30,12 +34,13 @@ constexpr int element_numbers = 1 + FixFloeIntegrate::own_numbers;
 void FixFloeIntegrate::write_restart(FILE *file) {
   // A file written within a run: the steps changed the history since the elements took it along.
   if (pairs) pairs->keep_history();
-  double own[ledger_size];
-  std::memcpy(own, &ledger, sizeof ledger);
+  const Kept kept{ledger, seabed_ledger};
+  double own[kept_size];
+  std::memcpy(own, &kept, sizeof kept);
   std::vector<double> out{restart_version, start_time, first_kick ? 1.0 : 0.0};
   const int head = static_cast<int>(out.size());
-  out.resize(head + ledger_size);
-  MPI_Allreduce(own, out.data() + head, ledger_size, MPI_DOUBLE, MPI_SUM, world);
+  out.resize(head + kept_size);
+  MPI_Allreduce(own, out.data() + head, kept_size, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me != 0) return;
   const int bytes = static_cast<int>(out.size() * sizeof(double));
   std::fwrite(&bytes, sizeof bytes, 1, file);
@@ -50,8 +55,10 @@ void FixFloeIntegrate::restart(char *buf) {
   start_time = in[1];
   first_kick = in[2] != 0.0;
   // The sums of all ranks go on with the first.
-  ledger = {};
-  if (comm->me == 0) std::memcpy(static_cast<void *>(&ledger), in + 3, sizeof ledger);
+  Kept kept{};
+  if (comm->me == 0) std::memcpy(static_cast<void *>(&kept), in + 3, sizeof kept);
+  ledger = kept.ledger;
+  seabed_ledger = kept.seabed;
 }
 
 int FixFloeIntegrate::pack_restart(int i, double *buf) {

@@ -57,7 +57,8 @@ const std::vector<std::string> &sum_names() {
     std::istringstream words(std::string(ledger_names()) +
                              " elastic_bond elastic_contact bonds contacts max_overlap"
                              " kinetic rotational kinetic_now rotational_now momentum_x momentum_y"
-                             " elements elastic_wall work_wall wall_contacts");
+                             " elements elastic_wall work_wall wall_contacts " +
+                             seabed_names());
     std::vector<std::string> out;
     for (std::string word; words >> word;) out.push_back(word);
     return out;
@@ -77,7 +78,7 @@ std::vector<double> local_sums(LAMMPS *lmp) {
   const KineticSums moving = kinetic_sums(lmp);
   FixFloeWalls::Sums walls;
   if (parts.walls) walls = parts.walls->sums(pairs.max_overlap);
-  // Four structures of doubles and nothing else, in the order of the names.
+  // Five structures of doubles and nothing else, in the order of the names.
   std::vector<double> all;
   const auto append = [&all](const auto &part) {
     static_assert(sizeof(part) % sizeof(double) == 0, "sums are doubles");
@@ -89,6 +90,7 @@ std::vector<double> local_sums(LAMMPS *lmp) {
   append(pairs);
   append(moving);
   append(walls);
+  append(parts.fix->seabed_ledger);
   return all;
 }
 

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
-// Law of a bond: a line of frozen water ("glue line") between two discs of ice.
+// What all laws of bonds share: a line of frozen water between two discs of ice, its displacement and
+// its elastic and damping forces. When and how a bond fails is its law's (glue_bond.h, parallel_bond.h).
 //
 // Why it looks like this: the displacement between the two sides of the line follows from the
 // positions of the elements alone (the line's ends are stored in the body frame of either element),
 // so nothing drifts, and a state read from a file continues exactly. Every integral has a closed
 // form because the displacement is linear along the line. See docs/theory/contact.md.
-// After Hopkins, Frankenstein & Thorndike (2004), doi 10.1029/2003JC001855.
 #ifndef FLOE_LAWS_BOND_H
 #define FLOE_LAWS_BOND_H
 
 #include <cmath>
 
+#include "law_list.h"
 #include "pack.h"
 
 namespace floe {
@@ -63,6 +64,8 @@ struct BondMaterial {
   double tan_phi;                 // tangent of the angle of internal friction
   double root_young, root_shear;  // roots of the moduli
   double shear_slope;             // shear / (young tan_phi)
+  double own[law_keywords] = {};  // the law's own keywords, in their order
+  int law = 0;                    // its place among BondLaws (laws.h)
 };
 
 inline BondMaterial bond_material(double young, double poisson, double damping,
@@ -145,17 +148,10 @@ FLOE_INLINE BondLineOf<T> bond_line(const BondShapeOf<T> &b, const BondPoseOf<T>
   return out;
 }
 
-// Limits of the normal displacement: the strength envelope divided by the normal stiffness.
 template <typename T>
 struct BondLimitsOf {
   T least, most;
 };
-
-template <typename T>
-FLOE_INLINE BondLimitsOf<T> bond_limits(const BondMaterial &m, const BondConstantsOf<T> &c,
-                                        const BondLineOf<T> &line) {
-  return {-c.squeeze, m.tensile_share * c.squeeze - m.shear_slope * magnitude(line.dt)};
-}
 
 // Normal displacements at the ends of the uncracked part, in order.
 template <typename T>
@@ -163,30 +159,6 @@ FLOE_INLINE BondLimitsOf<T> bond_range(const BondLineOf<T> &line, const BondShap
   const T end_a = line.dn + (b.xi_lo() - 0.5) * line.dn_slope;
   const T end_b = line.dn + (b.xi_hi() - 0.5) * line.dn_slope;
   return {smaller(end_a, end_b), larger(end_a, end_b)};
-}
-
-// Lets the cracks run until the stress is admissible all along the rest of the line: tension
-// cut-off, compression cut-off and Mohr-Coulomb |tau| <= cohesion - sigma tan(phi) (sigma > 0 is
-// tension), whose tip lies at the tensile strength: cohesion = tensile tan(phi). The displacement
-// does not depend on what has failed, the shear is uniform and the normal stress linear, so the
-// admissible part is one interval and one pass finds the final state.
-// Returns true if any of the line failed.
-inline bool bond_fracture(const BondMaterial &m, const BondConstants &c, const BondLine &line,
-                          BondShape &b) {
-  const auto [dn_min, dn_max] = bond_limits(m, c, line);
-  const auto [least, most] = bond_range(line, b);
-  if (least >= dn_min && most <= dn_max) return false;
-  if (dn_min > dn_max || least > dn_max || most < dn_min) {
-    b.crack_b = 1.0 - b.crack_a;
-    return true;
-  }
-  // Here dn varies along the line and crosses at least one limit.
-  const double at_max = 0.5 + (dn_max - line.dn) / line.dn_slope;
-  const double at_min = 0.5 + (dn_min - line.dn) / line.dn_slope;
-  b.crack_a = larger(b.crack_a, smaller(at_max, at_min));
-  b.crack_b = larger(b.crack_b, 1.0 - larger(at_max, at_min));
-  if (b.broken()) b.crack_b = 1.0 - b.crack_a;
-  return true;
 }
 
 // Elastic energy stored in the uncracked part, J.
@@ -246,6 +218,38 @@ FLOE_INLINE T pair_power(const PairForceOf<T> &force, const BondPoseOf<T> &p) {
   return force.torque_lo * p.spin_lo + force.torque_hi * p.spin_hi -
          (force.f.x * p.v.x + force.f.y * p.v.y);
 }
+
+enum class BreakageMode { tension = 1, shear = 2, compression = 3 };
+
+// Forces of the line as above. A law of bonds takes them from here, or has its own in their place, and
+// adds (see laws.h):
+//   name                            of the keyword bond_law
+//   holds(m, c, line, shape)        whether nothing of it fails now; for double and packs
+//   fracture(m, c, line, shape)     lets cracks grow, or the whole bond go; whether anything failed
+//   mode(m, c, line, shape)         of a bond that broke from this shape
+// and, where it needs them, keywords and fault(m).
+// `fracture` fails what `holds` does not hold, and leaves what holds. Of the shape only the cracks count
+// there: span, thickness and strength are in the constants.
+struct ElasticLine {
+  static constexpr LawKeywords keywords = {};
+  // What is wrong with a material, null if nothing.
+  static const char *fault(const BondMaterial &) { return nullptr; }
+
+  template <bool Damped, typename T>
+  FLOE_INLINE static PairForceOf<T> force(const BondMaterial &m, const BondConstantsOf<T> &c,
+                                          const BondShapeOf<T> &b, const BondLineOf<T> &line,
+                                          const BondPoseOf<T> &p, T &dissipation) {
+    return bond_force<Damped>(m, c, b, line, p, dissipation);
+  }
+  static double energy(const BondMaterial &m, const BondConstants &c, const BondShape &b,
+                       const BondLine &line) {
+    return bond_energy(m, c, b, line);
+  }
+  static double normal_force(const BondMaterial &m, const BondConstants &c, const BondShape &b,
+                             const BondLine &line) {
+    return bond_normal_force(m, c, b, line);
+  }
+};
 
 // Compressive strength of ice of thickness h (m) after Kovacs & Sodhi, Pa.
 inline double kovacs_sodhi_strength(double thickness) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
-// Law of two unbonded elements in touch: elastic, damped, never attractive, with Coulomb friction.
+// What all laws of contact share: two unbonded elements in touch, elastic, damped, never attractive,
+// with Coulomb friction. How stiff they are is the law's (linear_contact.h, hertz_contact.h).
 //
 // The history is the elastic slip, capped where the contact slides: it keeps its direction then, and
 // evaluating the law again from the stored history gives the same bits (a restart does that).
@@ -14,17 +15,20 @@
 
 namespace floe {
 
-// How the elastic force grows with the overlap: in proportion to it, or with its power 3/2.
-enum class ContactLaw { linear, hertz };
-
 struct ContactMaterial {
   double young;          // Pa
   double shear_ratio;    // tangential over normal stiffness
   double damping;        // share of critical damping
   double damping_ratio;  // tangential over normal damping: root of shear_ratio
   double friction;       // Coulomb coefficient
-  double poisson = 0.3;  // of Hertz' law
-  ContactLaw law = ContactLaw::linear;
+  double poisson = 0.3;
+  double own[law_keywords] = {};  // the law's own keywords, in their order
+  int law = 0;                    // its place among ContactLaws (laws.h)
+};
+
+// What an element brings to the stiffness of its contacts.
+struct ContactSide {
+  double radius, thickness;  // m
 };
 
 // Two elements in touch, "one" and "two". The law is symmetric to the bit: exchanging them negates
@@ -40,7 +44,7 @@ struct ContactPoseOf {
 using ContactPose = ContactPoseOf<double>;
 
 // What follows from material, thicknesses and masses and stays the same until the ice changes.
-// Of Hertz' law: at an overlap of 1 m, see constants_at.
+// Of a law whose stiffness is not constant: at an overlap of 1 m.
 template <typename T>
 struct ContactConstantsOf {
   T stiffness;  // normal, N/m
@@ -69,12 +73,6 @@ using ContactForce = ContactForceOf<double>;
 // and the stable step does not shrink with their number.
 constexpr double damping_per_step = 0.1;
 
-// Normal stiffness N/m from the two thicknesses (m): springs of the two elements in series.
-inline double contact_stiffness(double young, double h_one, double h_two) {
-  const double sum = h_one + h_two;
-  return sum > 0.0 ? young * (h_one * h_two) / sum : 0.0;
-}
-
 // Normal damping N s/m; step (s) bounds it, 0: no bound.
 inline double contact_damping(const ContactMaterial &m, double stiffness, double reduced_mass,
                               double step) {
@@ -82,44 +80,15 @@ inline double contact_damping(const ContactMaterial &m, double stiffness, double
   return step > 0.0 ? std::fmin(wanted, damping_per_step * reduced_mass / step) : wanted;
 }
 
-inline ContactConstants contact_constants(const ContactMaterial &m, double h_one, double h_two,
-                                          double reduced_mass, double step = 0.0) {
-  const double stiffness = contact_stiffness(m.young, h_one, h_two);
-  return {stiffness, contact_damping(m, stiffness, reduced_mass, step)};
-}
-
-// Hertz' law of two spheres of one material, as LIGGGHTS' own `model hertz` has it: the secant
-// stiffness is 4/3 E* sqrt(R* overlap). What is stored is that without the root of the overlap. A
-// rigid wall has no radius and does not give: R* is the disc's and E* twice as large.
-inline double hertz_stiffness(const ContactMaterial &m, double r_one, double r_two) {
-  const double modulus = 0.5 * m.young / (1.0 - m.poisson * m.poisson);
-  return 4.0 / 3.0 * modulus * std::sqrt(r_one * r_two / (r_one + r_two));
-}
-inline double hertz_wall_stiffness(const ContactMaterial &m, double radius) {
-  return 4.0 / 3.0 * m.young / (1.0 - m.poisson * m.poisson) * std::sqrt(radius);
-}
-
-// Constants at an elastic overlap (m). Damping stays the same share of the critical one.
-template <ContactLaw Law, typename T>
-FLOE_INLINE ContactConstantsOf<T> constants_at(const ContactConstantsOf<T> &c, T overlap) {
-  if constexpr (Law == ContactLaw::linear) return c;
-  const T half = root(larger(overlap, T{}));
-  return {c.stiffness * half, c.damping * root(half)};
-}
-
-inline ContactConstants constants_now(const ContactMaterial &m, const ContactConstants &c,
-                                      double overlap) {
-  return m.law == ContactLaw::hertz ? constants_at<ContactLaw::hertz>(c, overlap) : c;
-}
-
-// Elastic energy, J; with slip 0 where there is no friction.
-inline double contact_energy(const ContactMaterial &m, double stiffness, double overlap,
-                             double slip) {
-  if (!(overlap > 0.0)) return 0.0;
-  const double shear = m.shear_ratio * slip * slip;
-  if (m.law == ContactLaw::linear) return 0.5 * stiffness * (overlap * overlap + shear);
-  return stiffness * std::sqrt(overlap) * (0.4 * overlap * overlap + 0.5 * shear);
-}
+// A law of contacts says how stiff two elements are to each other (see laws.h); friction, damping,
+// ridging and losses are those below for all:
+//   name                           of the keyword contact_law
+//   constant                       whether stiffness is the same at every overlap: only then ridges can
+//                                  close, and damping is bounded by the step
+//   stiffness(m, one, two)         normal, N/m, at an overlap of 1 m
+//   wall_stiffness(m, one)         against a rigid wall
+//   at(constants, overlap)         constants at an elastic overlap (m); T is double or Pack
+//   energy(stiffness, overlap, shear)  elastic, J; shear: shear_ratio slip^2, m2
 
 // Overlap that makes force, m. The rest overlap can only shrink, as the pair separates.
 template <typename T>

@@ -25,6 +25,10 @@ constexpr double ridge_thickness = 0.3;            // m
 constexpr double lead_softening = 20.0;            // ratio
 constexpr double air_drag = 0.00156;               // kg/m3, density times coefficient
 constexpr double water_drag = 5.643;               // kg/m3, density times coefficient
+constexpr double keel_ratio = 8.0;                 // depth of keels over thickness
+constexpr double seabed_strength = 15.0;           // N/m3
+constexpr double seabed_creep = 5e-05;             // m/s
+constexpr double seabed_openness = 20.0;           // ratio
 constexpr double ice_density = 917.0;              // kg/m3
 
 }  // namespace defaults

@@ -24,6 +24,7 @@ struct DriftInput {
   double area;       // ice area that wind and ocean act on, m2
   Vec2 wind, ocean;  // velocities of air and water, m/s
   double coriolis;   // parameter f, 1/s
+  double hold = 0;   // linear friction against rest, N s/m (seabed.h)
 };
 
 struct DriftLaw {
@@ -36,7 +37,7 @@ struct DriftLaw {
 
 // New velocity and the impulse (N s) of each term over the step; they add up to mass (u_new - u).
 struct DriftStep {
-  Vec2 u_new, wind, ocean, coriolis, tilt;
+  Vec2 u_new, wind, ocean, coriolis, tilt, seabed;
 };
 
 // Root s >= 0 of s |alpha + i q + gamma s e^{i turn}| = b: the speed relative to the water.
@@ -81,6 +82,7 @@ inline DriftStep drift_step(const DriftLaw &law, const DriftInput &in, double st
       out.wind = {in.mass * c * w.x, in.mass * c * w.y};
     }
   }
+  const double held = per_mass * in.hold;
   const double q = law.use_coriolis || law.use_tilt ? 0.5 * step * in.coriolis : 0.0;
   const double q_coriolis = law.use_coriolis ? q : 0.0;
   if (law.use_tilt) {
@@ -90,17 +92,21 @@ inline DriftStep drift_step(const DriftLaw &law, const DriftInput &in, double st
   }
   rhs.x += 2.0 * q_coriolis * in.u.y;
   rhs.y -= 2.0 * q_coriolis * in.u.x;
-  double re = alpha, im = q_coriolis;  // the change of velocity is rhs / (re + i im)
+  // Without friction against rest the change of velocity is rhs / (re + i im). With it the new
+  // velocity is (still + drag ocean) / (re + i im): nothing large is subtracted where ice is held.
+  double re = alpha + held, im = q_coriolis;
+  const Vec2 still{rhs.x + alpha * in.u.x - q_coriolis * in.u.y,
+                   rhs.y + alpha * in.u.y + q_coriolis * in.u.x};
   Vec2 w0{0.0, 0.0};
   double drag_re = 0.0, drag_im = 0.0;
   if (law.use_ocean) {
     w0 = {in.u.x - in.ocean.x, in.u.y - in.ocean.y};
     const double gamma = per_mass * in.area * law.water;
-    const Vec2 b{rhs.x + w0.x * alpha - w0.y * q_coriolis,
-                 rhs.y + w0.y * alpha + w0.x * q_coriolis};
+    const Vec2 b{rhs.x + w0.x * alpha - w0.y * q_coriolis - held * in.ocean.x,
+                 rhs.y + w0.y * alpha + w0.x * q_coriolis - held * in.ocean.y};
     const double sin_turn = in.coriolis < 0.0 ? -law.sin_turn : law.sin_turn;
-    const double s = drag_speed(alpha, q_coriolis, gamma, law.cos_turn, sin_turn,
-                                std::sqrt(b.x * b.x + b.y * b.y));
+    const double s =
+        drag_speed(re, q_coriolis, gamma, law.cos_turn, sin_turn, std::sqrt(b.x * b.x + b.y * b.y));
     drag_re = gamma * s * law.cos_turn;
     drag_im = gamma * s * sin_turn;
     rhs.x -= drag_re * w0.x - drag_im * w0.y;
@@ -109,9 +115,16 @@ inline DriftStep drift_step(const DriftLaw &law, const DriftInput &in, double st
     im += drag_im;
   }
   const double inv = 1.0 / (re * re + im * im);
-  const Vec2 du{(rhs.x * re + rhs.y * im) * inv, (rhs.y * re - rhs.x * im) * inv};
+  Vec2 du{(rhs.x * re + rhs.y * im) * inv, (rhs.y * re - rhs.x * im) * inv};
   out.u_new = {in.u.x + du.x, in.u.y + du.y};
   const double m = in.mass;
+  if (held > 0.0) {
+    const Vec2 sum{still.x + drag_re * in.ocean.x - drag_im * in.ocean.y,
+                   still.y + drag_re * in.ocean.y + drag_im * in.ocean.x};
+    out.u_new = {(sum.x * re + sum.y * im) * inv, (sum.y * re - sum.x * im) * inv};
+    out.seabed = {-m * held * out.u_new.x, -m * held * out.u_new.y};
+    du = {out.u_new.x - in.u.x, out.u_new.y - in.u.y};
+  }
   if (law.use_wind && law.relative_wind) {
     out.wind = {m * wind_rate * (in.wind.x - in.u.x - du.x),
                 m * wind_rate * (in.wind.y - in.u.y - du.y)};
@@ -121,7 +134,7 @@ inline DriftStep drift_step(const DriftLaw &law, const DriftInput &in, double st
     out.coriolis = {2.0 * q * m * mean.y, -2.0 * q * m * mean.x};
   }
   if (law.use_ocean) {
-    const Vec2 w{w0.x + du.x, w0.y + du.y};
+    const Vec2 w{w0.x + du.x, w0.y + du.y};  // of the new velocity against the water
     out.ocean = {-m * (drag_re * w.x - drag_im * w.y), -m * (drag_re * w.y + drag_im * w.x)};
   }
   return out;

@@ -177,9 +177,9 @@ FLOE_INLINE void loop_contacts(const ContactTask &t, int count, LaneSums *sums, 
 
 // A glue line: elastic, whole or cracked, without damping.
 template <typename P, int Width>
-FLOE_INLINE void stretch(const BondMaterial &m, double limit2, const BondBlock &b, int number,
-                         int first, int count, const Body *bodies, Load *loads,
-                         std::vector<int> &odd) {
+FLOE_INLINE void stretch(const BondMaterial &m, double limit2, const BondBlock &b,
+                         const BondRest &rest, int number, int first, int count, const Body *bodies,
+                         Load *loads, std::vector<int> &odd) {
   const auto column = [&](int k) { return load_pack<P>(b.column[k] + first); };
   using B = BondBlock;
   const double *lo[Width], *hi[Width];
@@ -213,12 +213,14 @@ FLOE_INLINE void stretch(const BondMaterial &m, double limit2, const BondBlock &
   const P bend = (hx - lx) * nx + (hy - ly) * ny;
   const P alx = mlx + 0.5 * mx, aly = mly + 0.5 * my;
   const P ahx = mhx - 0.5 * mx, ahy = mhy - 0.5 * my;
-  const P xi_lo = column(B::crack_a), xi_hi = 1.0 - column(B::crack_b);
+  const P zero{};
+  const P xi_lo = load_pack<P>(rest.crack_a + first);
+  const P xi_hi = 1.0 - load_pack<P>(rest.crack_b + first);
   const P kn = m.young * column(B::ratio), kt = m.shear * column(B::ratio);
   const P w = xi_hi - xi_lo, xm = 0.5 * (xi_lo + xi_hi) - 0.5, lw = column(B::length) * w;
   const P qn = kn * (dn + xm * bend), fn = lw * qn, ft = lw * (kt * dt);
   const P moment = -length * lw * (xm * qn + kn * bend * w * w / 12.0);
-  const P fx = fn * nx + ft * tx, fy = fn * ny + ft * ty, zero{};
+  const P fx = fn * nx + ft * tx, fy = fn * ny + ft * ty;
   const P torque_lo = (alx * fy - aly * fx) + moment, torque_hi = -(ahx * fy - ahy * fx) - moment;
   const P squeeze = column(B::squeeze), sum = one[3] + two[3];
   const P end_a = dn + (xi_lo - 0.5) * bend, end_b = dn + (xi_hi - 0.5) * bend;
@@ -244,9 +246,10 @@ FLOE_INLINE void stretch_all(const BondMaterial &m, double limit2, const BondRec
                              const Body *bodies, Load *loads, std::vector<int> &odd) {
   const BondBlock *block = bonds.blocks.data();
   for (int first = 0; first < bonds.count; first += 4, ++block) {
+    const BondRest &rest = bonds.rest(first);
     for (int k = 0; k < 4 && first + k < bonds.count; k += Width) {
-      stretch<P, Width>(m, limit2, *block, first + k, k, bonds.count - first - k, bodies, loads,
-                        odd);
+      stretch<P, Width>(m, limit2, *block, rest, first + k, k, bonds.count - first - k, bodies,
+                        loads, odd);
     }
   }
 }

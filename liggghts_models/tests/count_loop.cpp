@@ -134,7 +134,7 @@ bool run(const std::string &which, int steps) {
   const Parts parts = find_parts(lmp);
   Listed pairs = read_lists(parts.pair, *parts.floe);
   // Displacements and velocities that are not uniform, so that all terms have something to do.
-  std::vector<Body> &bodies = parts.fix->bodies;
+  LongArray<Body> &bodies = parts.fix->bodies;
   const int n = lmp->atom->nlocal;
   for (int i = 0; i < n; ++i) {
     Body &body = bodies[i];

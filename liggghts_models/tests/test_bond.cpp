@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "bond.h"
+#include "glue_bond.h"
 #include "random.h"
 
 using namespace floe;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "contact.h"
+#include "linear_contact.h"
 #include "random.h"
 
 using namespace floe;

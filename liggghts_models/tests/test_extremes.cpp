@@ -8,9 +8,9 @@
 #include <cmath>
 #include <limits>
 
-#include "bond.h"
-#include "contact.h"
 #include "drag.h"
+#include "glue_bond.h"
+#include "linear_contact.h"
 #include "random.h"
 #include "ridge.h"
 #include "turn.h"

@@ -70,3 +70,44 @@ TEST_CASE("forcing: a single node and a single time hold everywhere") {
   CHECK(s.coriolis == 5);
   CHECK(s.vorticity == 0);
 }
+
+TEST_CASE("forcing: means over discs are values at centres inside of a cell, and know the kinks") {
+  ForcingGrid g = linear_grid();
+  g.over_discs = true;
+  // Straight over all lines of nodes: the mean is the value at the centre.
+  const ForcingSample s = forcing_on(g, forcing_time(g, 30.0), -1000, 1100, 390);
+  CHECK(s.wind.x == doctest::Approx(29.0).epsilon(1e-12));
+  CHECK(s.wind.y == doctest::Approx(2.2 - 30).epsilon(1e-12));
+  CHECK(s.vorticity == doctest::Approx(6e-5).epsilon(1e-10));
+  // A roof: |x| has the mean 4 r / (3 pi) over a disc around 0, and 0 at its centre.
+  ForcingGrid roof;
+  roof.time = {0.0};
+  roof.x0 = roof.y0 = -1000;
+  roof.dx = roof.dy = 1000;
+  roof.nx = roof.ny = 3;
+  for (int k = 0; k < 9; ++k) {
+    for (const double v : {k % 3 == 1 ? 0.0 : 1.0, 0.0, 0.0, 0.0}) roof.velocity.push_back(v);
+  }
+  const ForcingTime now = forcing_time(roof, 0.0);
+  CHECK(forcing_on(roof, now, 0, 0, 500).wind.x == 0.0);
+  roof.over_discs = true;
+  CHECK(forcing_on(roof, now, 0, 0, 500).wind.x == doctest::Approx(2 / (3 * M_PI)).epsilon(0.01));
+  // Inside of a cell there is no kink, and nothing but the centre counts.
+  CHECK(forcing_on(roof, now, 500, 500, 400).wind.x ==
+        doctest::Approx(sample_forcing(roof, now, 500, 500).wind.x).epsilon(1e-14));
+}
+
+TEST_CASE("forcing: a wind given as its stress keeps it between gusts") {
+  ForcingGrid g;
+  g.time = {0.0};
+  g.dx = 1000;
+  g.nx = 2;
+  g.wind_stress = true;
+  // 20 m/s and calm: |w| w is 400 and 0 m2/s2.
+  g.velocity = {400, 0, 3, 4, 0, 0, 3, 4};
+  const ForcingTime now = forcing_time(g, 0.0);
+  CHECK(forcing_on(g, now, 0, 0, 1).wind.x == doctest::Approx(20));
+  CHECK(forcing_on(g, now, 500, 0, 1).wind.x == doctest::Approx(std::sqrt(200.0)));
+  CHECK(forcing_on(g, now, 1000, 0, 1).wind.x == 0.0);
+  CHECK(forcing_on(g, now, 500, 0, 1).ocean.x == 3);
+}

@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-#include "bond.h"
-#include "contact.h"
+#include "linear_contact.h"
 #include "random.h"
 
 using namespace floe;

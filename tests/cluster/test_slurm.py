@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-import os
 import re
-import signal
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from floeflow.state import read_state
+from support.held_ranks import Gate, wait_for_end
 from support.runner import Done, bits, digest, drain, kill_alone, read_until
 from support.slurm import Cluster, PrivateSlurm
 
@@ -22,14 +19,15 @@ TARGET = "results/smoke/state/0003.nc"
 SBATCH = "cluster-generic"
 
 
-def until(found: Callable[[], object], what: str) -> object:
-    """Ask again until there is an answer; Slurm's daemons tell nobody when they are done."""
-    give_up = time.monotonic() + 300
-    while time.monotonic() < give_up:
-        if answer := found():
-            return answer
-        time.sleep(0.2)
-    raise AssertionError(f"in five minutes there was no {what}")
+# Snakemake says so when Slurm has told it that the first job is over.
+AGAIN = "Trying to restart job"
+FIRST_KEPT = "windows 0001 to 0001 are there already"
+
+
+@pytest.fixture
+def gate(tmp_path: Path) -> Gate:
+    """Holds the ranks of a window's job after its first window."""
+    return Gate(tmp_path / "gate")
 
 
 def same_end(cluster: Cluster, smoke: Done) -> bool:
@@ -39,24 +37,15 @@ def same_end(cluster: Cluster, smoke: Done) -> bool:
     return bits(there) == bits(smoke.results) and digest(ends[0]) == digest(ends[1])
 
 
-def rank_process(cluster: Cluster) -> int:
-    """The process of a window's first rank, which has signed the lock of the scene's jobs."""
-
-    def ask() -> int:
-        path = cluster.place.results() / ".jobs.lock"
-        words = path.read_text().split() if path.is_file() else []
-        command = Path(f"/proc/{words[0]}/cmdline") if words else None
-        if command is None or not command.is_file():
-            return 0
-        return int(words[0]) if b"coupled_windows" in command.read_bytes() else 0
-
-    return int(str(until(ask, "rank of a window")))
-
-
 def windows_jobs(cluster: Cluster) -> list[dict[str, str]]:
     """Jobs of windows that are over, as Slurm's job completion file has them."""
     done = cluster.slurm.completed(cluster.place.folder)
     return [job for job in done if job["Name"] == "windows"]
+
+
+def windows_log(cluster: Cluster) -> str:
+    """Log of the last job that worked on the windows."""
+    return (cluster.place.results() / "log/windows/0003.log").read_text()
 
 
 def test_slurm_ran_every_rule_and_the_windows_on_two_tasks(smoke: Done, slurm: PrivateSlurm):
@@ -87,12 +76,13 @@ def test_ranks_of_slurm_s_own_plugin_lie_on_two_nodes(smoke: Done, undone):
     assert same_end(cluster, smoke)
 
 
-def test_a_job_over_its_time_comes_again_with_more(smoke: Done, undone):
+def test_a_job_over_its_time_comes_again_with_more(smoke: Done, undone, gate: Gate):
     cluster = undone()
     limit = ["--set-resources", "windows:runtime=1+9*(attempt-1)"]
-    run = cluster.start(SBATCH, smoke.scene, TARGET, limit)
-    # It hangs from here on, as if the file system did.
-    os.kill(rank_process(cluster), signal.SIGSTOP)
+    # It hangs as if the file system did, however fast it came so far.
+    run = cluster.start(SBATCH, smoke.scene, TARGET, limit, gate.hanging)
+    read_until(run, AGAIN)
+    gate.open()
     said = drain(run)
     assert run.returncode == 0, said
     first, second = windows_jobs(cluster)
@@ -101,14 +91,16 @@ def test_a_job_over_its_time_comes_again_with_more(smoke: Done, undone):
     assert same_end(cluster, smoke)
 
 
-def test_a_window_ends_with_its_node_and_comes_again_elsewhere(smoke: Done, undone):
+def test_a_window_ends_with_its_node_and_goes_on_elsewhere(smoke: Done, undone, gate: Gate):
     cluster = undone()
-    run = cluster.start(SBATCH, smoke.scene, TARGET)
-    rank_process(cluster)
-    (job,) = cluster.slurm.jobs("RUNNING")
+    run = cluster.start(SBATCH, smoke.scene, TARGET, launcher=gate.launcher)
+    rank, job = gate.arrived()
     node = cluster.slurm.job(job)["NodeList"]
     cluster.slurm("scontrol", "update", f"nodename={node}", "state=down", "reason=tried")
     try:
+        read_until(run, AGAIN)
+        wait_for_end(rank)
+        gate.open()
         said = drain(run)
     finally:
         cluster.slurm("scontrol", "update", f"nodename={node}", "state=resume")
@@ -116,18 +108,22 @@ def test_a_window_ends_with_its_node_and_comes_again_elsewhere(smoke: Done, undo
     first, second = windows_jobs(cluster)
     assert first["JobState"] == "NODE_FAIL"
     assert second["JobState"] == "COMPLETED" and second["NodeList"] != node
+    assert FIRST_KEPT in windows_log(cluster)
     assert same_end(cluster, smoke)
 
 
-def test_a_cancelled_window_comes_again(smoke: Done, undone):
+def test_a_cancelled_window_goes_on(smoke: Done, undone, gate: Gate):
     cluster = undone()
-    run = cluster.start(SBATCH, smoke.scene, TARGET)
-    rank_process(cluster)
-    (job,) = cluster.slurm.jobs("RUNNING")
+    run = cluster.start(SBATCH, smoke.scene, TARGET, launcher=gate.launcher)
+    rank, job = gate.arrived()
     cluster.slurm("scancel", job)
+    read_until(run, AGAIN)
+    wait_for_end(rank)
+    gate.open()
     said = drain(run)
     assert run.returncode == 0, said
     assert [job["JobState"] for job in windows_jobs(cluster)] == ["CANCELLED", "COMPLETED"]
+    assert FIRST_KEPT in windows_log(cluster)
     assert same_end(cluster, smoke)
 
 
@@ -157,17 +153,15 @@ def test_a_window_left_in_the_queue_by_a_killed_run_writes_nothing(smoke: Done, 
     assert same_end(cluster, smoke)
 
 
-def test_a_window_that_outlives_its_run_is_waited_for(smoke: Done, undone):
+def test_a_window_that_outlives_its_run_is_waited_for(smoke: Done, undone, gate: Gate):
     cluster = undone()
-    run = cluster.start(SBATCH, smoke.scene, TARGET)
-    rank = rank_process(cluster)
-    os.kill(rank, signal.SIGSTOP)
+    run = cluster.start(SBATCH, smoke.scene, TARGET, launcher=gate.launcher)
+    _, job = gate.arrived()
     kill_alone(run)
-    (job,) = cluster.slurm.jobs("RUNNING")
     again = cluster.start(SBATCH, smoke.scene, TARGET)
     line = read_until(again, "a job of an earlier run still writes this scene")
     assert f"Slurm job {job}" in line
-    os.kill(rank, signal.SIGCONT)
+    gate.open()
     said = drain(again)
     assert again.returncode == 0, said
     # The second run took what the first one's job had finished meanwhile.

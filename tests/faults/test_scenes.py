@@ -14,7 +14,7 @@ import pytest
 import yaml
 
 from floeflow.core.errors import FloeError
-from floeflow.core.meshes import check_mesh_file
+from floeflow.core.mesh_check import check_mesh_file
 from floeflow.scene.checks import scene_warnings
 from floeflow.scene.load import parse_scene
 from floeflow.workflow import scenes

@@ -79,7 +79,10 @@ def run_python(
     )
 
 
-@pytest.mark.parametrize(("target", "runs"), [("bytes", 500), ("fields", 150)])
+@pytest.mark.parametrize(
+    ("target", "runs"),
+    [("bytes", 500), ("fields", 40), pytest.param("fields", 150, marks=pytest.mark.slow)],
+)
 def test_a_guided_fuzzer_breaks_no_reader(target: str, runs: int, tmp_path: Path, record):
     """Inputs that atheris tries, guided by the code they reach; `make fuzz` goes on for longer."""
     pytest.importorskip("atheris", reason="atheris has no wheel for this Python or platform")

@@ -10,6 +10,7 @@ import numpy as np
 from mpi4py import MPI
 
 from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.params import Force
 from floeflow.state import walls
 from floeflow.state.bonds import Arrays
 from support.rafts import bonded, lattice, uniform
@@ -34,10 +35,17 @@ def main(out: Path, steps: int, kind: str, start: Path | None) -> None:
         raft["u"] = 40.0 * (1.0 + 1e-3 * raft["id"])
         raft["type"][:] = 1
         state[1] = {name: values[:0] for name, values in table.items()}
+    if kind == "lopsided":  # the raft fills a small part of the box
+        raft = {name: np.append(values, values[-1:]) for name, values in raft.items()}
+        raft["id"][-1] = len(raft["id"])
+        raft["x"][-1] += 200_000.0
+        state[0] = raft
     switches = dict.fromkeys(("bonds", "wind", "ocean_drag", "coriolis", "tilt"), True)
     if kind == "adrift":
         switches = {}
-    params = EngineParams(time_step=0.2, ridging=walled, **switches)
+    # Elements of more than 1.25 m are held by a sea of 10 m.
+    seabed = (Force("seabed", (), ("sea_floor_depth",)),) if kind == "grounded" else ()
+    params = EngineParams(time_step=0.2, ridging=walled, forces=seabed, **switches)
     # One wall stands, one comes from the right, and a bent one dents the upper side.
     dent = np.array([[[1.5e4, 4e4], [2e4, 2.525e4]], [[2e4, 2.525e4], [2.5e4, 4e4]]])
     faces = walls.join(
@@ -51,7 +59,7 @@ def main(out: Path, steps: int, kind: str, start: Path | None) -> None:
     with Engine(comm, params, out / f"log.{comm.size}", faces if walled else None) as engine:
         for k, part in enumerate(("first", "second"), start=start is not None):
             engine.load(*state[:3], 0.2 * steps * k, state[3])
-            engine.set_forcing(uniform((10.0, 5.0), (0.1, 0.1), 1.4e-4))
+            engine.set_forcing(uniform((10.0, 5.0), (0.1, 0.1), 1.4e-4, depth=10.0))
             engine.run(steps)
             state = write_part(out / f"{part}.npz", engine)
 

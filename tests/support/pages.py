@@ -45,6 +45,7 @@ def report_of(run: Run, studies: Sequence[Path] = ()) -> str:
     made = {
         "diagnostics": str(folder / "diagnostics.nc"),
         "headline": str(folder / "diagnostics.json"),
+        "analyses": str(folder / "analyses.nc"),
     }
     files = run.files
     load_script("postprocess/diagnostics").main(
@@ -56,8 +57,13 @@ def report_of(run: Run, studies: Sequence[Path] = ()) -> str:
                 series=list(map(str, files.series)),
                 cost=list(map(str, files.cost)),
                 grid=str(files.grid),
+                last=str(run.state(last)),
             ),
-            output=SimpleNamespace(dataset=made["diagnostics"], headline=made["headline"]),
+            output=SimpleNamespace(
+                dataset=made["diagnostics"],
+                headline=made["headline"],
+                analyses=made["analyses"],
+            ),
         )
     )
     given = SimpleNamespace(

@@ -59,7 +59,9 @@ def bonded(elements: Arrays, gap: float = 1.0, share: float = 1 / math.sqrt(3)) 
     return new_bonds(elements, ids[lo], ids[hi], *ends, thickness)
 
 
-def uniform(wind=(0.0, 0.0), ocean=(0.0, 0.0), coriolis: float = 0.0) -> Forcing:
+def uniform(
+    wind=(0.0, 0.0), ocean=(0.0, 0.0), coriolis: float = 0.0, depth: float = 0.0
+) -> Forcing:
     """Forcing that is the same everywhere and always."""
     one = np.ones((1, 2, 2))
     fields = {
@@ -68,6 +70,7 @@ def uniform(wind=(0.0, 0.0), ocean=(0.0, 0.0), coriolis: float = 0.0) -> Forcing
         "ocean_u": ocean[0] * one,
         "ocean_v": ocean[1] * one,
         "coriolis": coriolis * one[0],
+        "sea_floor_depth": depth * one[0],
     }
     edge = np.array([-1e6, 1e6])
     return Forcing(np.array([0.0]), edge, edge, fields)

@@ -48,14 +48,17 @@ class Place:
             *("--snakefile", str(PROJECT / "Snakefile")),
             *("--profile", str(PROJECT / "workflows/profiles/local")),
             *("--directory", str(self.folder)),
-            *("--cores", "2", "--set-threads", f"windows={ranks}"),
+            *("--cores", str(ranks), "--set-threads", f"windows={ranks}"),
             *[option for option in more if option.startswith("-")],
             *("--config", f"scene={scene}", "--"),
             *[target for target in more if not target.startswith("-")],
         ]
 
-    def scene(self, base: str = "smoke", /, **changes: object) -> Path:
-        """Write a shipped scene with changes, given as block={key: value} or key=value."""
+    def scene(self, base: str = "smoke", /, file: str = "", **changes: object) -> Path:
+        """Write a shipped scene with changes, given as block={key: value} or key=value.
+
+        The file has the scene's name, or another that is given.
+        """
         data = yaml.safe_load((PROJECT / f"config/scenes/{base}.yaml").read_text())
         data.setdefault("name", base)
         for name, change in changes.items():
@@ -63,12 +66,12 @@ class Place:
                 data[name] = {**data.get(name, {}), **change}
             else:
                 data[name] = change
-        path = self.folder / f"{data['name']}.yaml"
+        path = self.folder / (file or f"{data['name']}.yaml")
         path.write_text(yaml.safe_dump(data))
         return path
 
     def run(self, scene: Path, *more: str, ranks: int = 2) -> subprocess.CompletedProcess[str]:
-        """Run to the end; standard error is joined to standard output."""
+        """Run to the end, on a core for each rank; standard error is joined to standard output."""
         return subprocess.run(self.command(scene, ranks, *more), check=False, **STREAMS)
 
     def planned(self, scene: Path, *targets: str) -> dict[str, int]:
@@ -81,6 +84,34 @@ class Place:
             return {}
         rows = (row.split() for row in table[1].splitlines())
         return {row[0]: int(row[1]) for row in rows if row[0] not in ("all", "total")}
+
+    def rules(self, scenes: dict[str, dict[str, object]]) -> dict[str, set[str]]:
+        """Rules behind scenes, each given by its name and changes, as one call tells them.
+
+        Of the first all that a run makes by default, of the others their reports.
+        """
+        shipped = self.folder / "config"
+        if shipped.is_symlink():
+            shipped.unlink()
+            (shipped / "scenes").mkdir(parents=True)
+        paths = [
+            self.scene(file=f"config/scenes/{name}.yaml", name=name, **changes)
+            for name, changes in scenes.items()
+        ]
+        reports = [f"results/{name}/report.html" for name in list(scenes)[1:]]
+        return self.pending(paths[0], "all", *reports)
+
+    def pending(self, scene: Path, *targets: str) -> dict[str, set[str]]:
+        """Rules that would run for targets, by the scene whose files they make."""
+        done = self.run(scene, "--summary", *targets)
+        assert done.returncode == 0, done.stdout
+        rows = [line.split("\t") for line in done.stdout.splitlines() if line.count("\t") == 5]
+        assert rows[0][2::3] == ["rule", "plan"]
+        found: dict[str, set[str]] = {}
+        for path, _, rule, *_, plan in rows[1:]:
+            if plan != "no update":
+                found.setdefault(path.split("/")[1], set()).add(rule)
+        return found
 
     def start(self, scene: Path, *more: str) -> subprocess.Popen[str]:
         """Start in a session of its own, so that all of it can be killed."""

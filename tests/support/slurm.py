@@ -106,13 +106,19 @@ class Cluster:
         return subprocess.run(command, check=False, env=self.slurm.environment, **STREAMS)
 
     def start(
-        self, profile: str, scene: Path, target: str = "", more: Sequence[str] = ()
+        self,
+        profile: str,
+        scene: Path,
+        target: str = "",
+        more: Sequence[str] = (),
+        launcher: str = "",
     ) -> subprocess.Popen[str]:
-        """Start in a session of its own."""
+        """Start in a session of its own, with another launcher of ranks where one is named."""
+        chosen = {"FLOEFLOW_MPI": launcher} if launcher else {}
         run = subprocess.Popen(
             self.command(profile, scene, target, more),
             start_new_session=True,
-            env=self.slurm.environment,
+            env=self.slurm.environment | chosen,
             **STREAMS,
         )
         self.started.append(run)

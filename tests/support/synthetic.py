@@ -23,7 +23,7 @@ from floeflow.coupling.chunk import join_series
 from floeflow.diagnostics.diagnostics import RunFiles
 from floeflow.scene import Scene, load_scene
 from floeflow.scene.windows import window_chunks
-from floeflow.state import read_dataset, read_state, write_dataset, write_state
+from floeflow.state import SCHEMA_VERSION, read_dataset, read_state, write_dataset, write_state
 from floeflow.state.snapshots import read_snapshots, write_snapshots
 
 ICE_DENSITY, SNOW_DENSITY = 917.0, 330.0
@@ -263,7 +263,7 @@ def first_state(packing: xr.Dataset, scene: Scene) -> xr.Dataset:
     for kind in ("slip", "rest_overlap"):
         data[f"contact_{kind}"] = ("contact", np.zeros(0))
     data.attrs = {
-        "schema_version": 1,
+        "schema_version": SCHEMA_VERSION,
         "scene": scene.name,
         "effects": " ".join(scene.effects),
         "window": 0,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import fcntl
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,13 +13,20 @@ from support.runner import Done, Place, make_place
 
 
 @pytest.fixture(scope="session")
-def smoke(tmp_path_factory: pytest.TempPathFactory) -> Done:
-    """``smoke`` as shipped, on two ranks."""
-    place = make_place(tmp_path_factory.mktemp("smoke") / "place")
-    scene = place.scene()
-    done = place.run(scene)
-    assert done.returncode == 0, done.stdout
-    return Done(place, scene, done.stdout)
+def smoke(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """``smoke`` as shipped, on two ranks; tests only look at it.
+
+    Processes that run tests side by side share it: who needs it first makes it.
+    """
+    folder = pytestconfig.getoption("--beside") or tmp_path_factory.mktemp("smoke")
+    place, said = Place(folder / "place"), folder / "smoke.txt"
+    with open(folder / "smoke.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not said.is_file():
+            done = make_place(place.folder).run(place.scene(), ranks=2)
+            assert done.returncode == 0, done.stdout
+            said.write_text(done.stdout)
+    return Done(place, place.folder / "smoke.yaml", said.read_text())
 
 
 @pytest.fixture

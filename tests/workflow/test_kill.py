@@ -81,23 +81,8 @@ def test_a_killed_run_goes_on_from_the_last_state_that_was_kept(smoke: Done, cop
     assert list(found) == [1, 2, 3, 4] and bits(smoke.results).items() <= found.items()
 
 
-def test_a_job_that_outlives_its_run_is_waited_for(smoke: Done, copy):
-    place, scene = start_over(copy)
-    run = place.start(scene, TARGET)
-    read_until(run, "window 0002: step")
-    with paused(run):
-        kill_alone(run)
-        again = place.start(scene, TARGET)
-        line = read_until(again, "a job of an earlier run still writes this scene (process")
-        assert line.endswith("waiting until it ends\n")
-    rest = drain(again)
-    assert again.returncode == 0, rest
-    # What the job finished after its workflow's death is taken, not done again.
-    assert "window 0002: step" not in rest
-    assert bits(place.results()) == bits(smoke.results)
-
-
-def test_a_second_run_is_told_who_holds_the_scene(smoke: Done, copy):
+def test_who_holds_a_scene_is_told(smoke: Done, copy):
+    """To a second run, which is refused, and after the run's death to the next, which waits."""
     place, scene = start_over(copy)
     run = place.start(scene, TARGET)
     read_until(run, "window 0001: step")
@@ -108,6 +93,14 @@ def test_a_second_run_is_told_who_holds_the_scene(smoke: Done, copy):
     assert second.returncode == 1
     assert f"another run holds this scene (process {run.pid})" in second.stdout
     assert "Traceback" not in second.stdout
-    rest = drain(run)
-    assert run.returncode == 0, rest
+    read_until(run, "window 0002: step")
+    with paused(run):
+        kill_alone(run)
+        again = place.start(scene, TARGET)
+        line = read_until(again, "a job of an earlier run still writes this scene (process")
+        assert line.endswith("waiting until it ends\n")
+    rest = drain(again)
+    assert again.returncode == 0, rest
+    # What the job finished after its workflow's death is taken, not done again.
+    assert "window 0002: step" not in rest
     assert bits(place.results()) == bits(smoke.results)

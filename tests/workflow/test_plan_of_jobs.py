@@ -7,6 +7,7 @@ import json
 import re
 import subprocess
 from graphlib import TopologicalSorter
+from pathlib import Path
 
 import pytest
 import yaml
@@ -16,22 +17,21 @@ from support.runner import PROJECT, STREAMS, Done, Place
 pytestmark = pytest.mark.workflow
 
 SCENES, WINDOWS = 11, 140
-BASE = "results/smoke+accuracy-base/record.json"
 
 
-@pytest.mark.parametrize(
-    "name, own",
-    [
-        # What only the windows read is one job beside the base run.
-        ("step_share-0", {}),
-        ("window-0", {}),
+def test_a_variant_makes_only_what_its_changes_touch(smoke: Done):
+    wanted = {
+        # The base run, which all others are compared with.
+        "base": {"variant"},
+        # What only the windows read is one job beside it.
+        "step_share-0": {"variant"},
+        "window-0": {"variant"},
         # Another packing has what is made from it, and no mask.
-        ("element_size-0", {"packing": 1, "bonds": 1, "initial": 1}),
-    ],
-)
-def test_a_variant_makes_only_what_its_changes_touch(smoke: Done, name: str, own: dict):
-    target = f"results/smoke+accuracy-{name}/record.json"
-    assert smoke.place.planned(smoke.scene, target, BASE) == {"variant": 2, **own}
+        "element_size-0": {"packing", "bonds", "initial", "variant"},
+    }
+    scenes = {f"smoke+accuracy-{name}": rules for name, rules in wanted.items()}
+    targets = [f"results/{scene}/record.json" for scene in scenes]
+    assert smoke.place.pending(smoke.scene, *targets) == scenes
 
 
 def test_a_variant_that_no_study_has_is_refused(smoke: Done):
@@ -79,9 +79,7 @@ def test_three_thousand_jobs_are_planned_in_short_chains(place: Place):
 def test_auto_is_decided_once_and_written_for_the_jobs(place: Place):
     target = "results/smoke/effects.json"
     scene = place.scene(effects="auto", mask={"land": "mask"})
-    assert place.planned(scene, target) == {"estimate": 1}
-    assert not place.results().exists()
-    done = place.run(scene, target)
+    done = place.run(scene, target, ranks=1)
     assert done.returncode == 0, done.stdout
     resolved = place.results() / "scene.yaml"
     keys = yaml.safe_load(resolved.read_text())
@@ -90,11 +88,12 @@ def test_auto_is_decided_once_and_written_for_the_jobs(place: Place):
     assert "wind" in keys["effects"] and "walls" not in keys["effects"]
     # Resolved anew, to the same: nothing is written and nothing is done.
     before = resolved.stat().st_mtime_ns
-    assert "Nothing to be done" in place.run(scene, target).stdout
+    assert "Nothing to be done" in place.run(scene, target, ranks=1).stdout
     assert resolved.stat().st_mtime_ns == before
     # Named, the same effects are chosen by the scene.
     named = place.scene(effects=keys["effects"], mask={"land": "mask"})
-    done = place.run(named, target)
+    done = place.run(named, target, ranks=1)
+    assert done.returncode == 0, done.stdout
     assert json.loads((place.folder / target).read_text())["chosen_by"] == "scene"
 
 
@@ -123,6 +122,16 @@ rule mine:
     done = subprocess.run(command, check=False, cwd=place.folder.parent, **STREAMS)
     assert done.returncode == 0, done.stdout
     assert int((place.folder / "mine.txt").read_text().split()[0]) > 1000
+
+
+def test_the_scene_of_the_workflow_catalog_is_planned(place: Place):
+    command = place.command(Path("unused"), 2, "-n")
+    at = command.index("--config")
+    command[at : at + 2] = ["--configfile", str(PROJECT / ".test/config/config.yaml")]
+    done = subprocess.run(command, check=False, **STREAMS)
+    assert done.returncode == 0 and "results/smoke/report.html" in done.stdout, done.stdout
+    usage = yaml.safe_load((PROJECT / ".snakemake-workflow-catalog.yml").read_text())["usage"]
+    assert usage["mandatory-flags"]["flags"].startswith("--config scene=config/scenes/smoke.yaml")
 
 
 def test_a_plugin_may_be_named(place: Place, monkeypatch: pytest.MonkeyPatch):

@@ -24,11 +24,9 @@ def cured(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     cure = request.param
     place = make_place(tmp_path_factory.mktemp(cure) / "place")
     changes = {"effects": [*EFFECTS, cure], "time": {"windows": 2}, cure: KEYS[cure]}
-    changes["state"] = {"keep": "all"}
-    scene = place.scene(**changes)
-    for targets in ((), ("--nolock", "trajectory", "mesh")):
-        done = place.run(scene, *targets, ranks=1)
-        assert done.returncode == 0, done.stdout
+    changes |= {"state": {"keep": "all"}, "mask": {"land": "mask"}, "packing": {"elements": 100}}
+    done = place.run(place.scene(**changes), "all", "trajectory", "mesh", ranks=1)
+    assert done.returncode == 0, done.stdout
     return place
 
 

@@ -26,7 +26,7 @@ TINY = {
 def run_study(folder: Path, study: str, **changes: object) -> Done:
     place = make_place(folder / "place")
     scene = place.scene(**{**TINY, **changes})
-    done = place.run(scene, "--keep-going", study)
+    done = place.run(scene, "--keep-going", study, ranks=1)
     assert done.returncode == 0, done.stdout
     return Done(place, scene, done.stdout)
 
@@ -75,7 +75,7 @@ def test_an_interrupted_study_goes_on(ablation: Done):
     before = json.loads((folder / "record.json").read_text())
     (folder / "record.json").unlink()
     (ablation.results / "ablation.html").unlink()
-    done = ablation.place.run(ablation.scene, "ablation")
+    done = ablation.place.run(ablation.scene, "ablation", ranks=1)
     assert done.returncode == 0, done.stdout
     assert re.findall(r"Study: (\S+)", done.stdout) == ["smoke+ablation-no_wind"]
     after = json.loads((folder / "record.json").read_text())

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """On request only, no part of the report: files for OVITO, MDAnalysis and ParaView.
 
-.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh coast
+.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh coast zarr
 """
 
 
@@ -61,6 +61,31 @@ rule mesh_files:
         "Mesh: the elements' cells at all window boundaries"
     script:
         "../../postprocess/mesh_files.py"
+
+
+rule zarr:
+    input:
+        f"{RESULTS}/grid.zarr",
+
+
+rule grid_zarr:
+    input:
+        grid="results/{scene}/grid.nc",
+    output:
+        store=directory("results/{scene}/grid.zarr"),
+    log:
+        "results/{scene}/log/zarr.log",
+    benchmark:
+        "results/{scene}/benchmarks/zarr.tsv"
+    resources:
+        mem_mb=memory_asked("grid"),
+        runtime=minutes_asked("grid"),
+    params:
+        library=library_digest("fields"),
+    message:
+        "Zarr: the fields of all windows as a Zarr store"
+    script:
+        "../../postprocess/grid_zarr.py"
 
 
 rule coast:

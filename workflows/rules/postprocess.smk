@@ -8,6 +8,7 @@ rule fields:
         start=start_of_run,
         elements="results/{scene}/elements/{chunk}.nc",
         mask=made("mask", "preprocess/mask.nc"),
+        forcing=user_forcing,
     output:
         fields="results/{scene}/fields/{chunk}.nc",
     log:
@@ -56,9 +57,12 @@ rule diagnostics:
         series=of_chunks("results/{scene}/series/{chunk}.nc"),
         cost=of_chunks("results/{scene}/cost/{chunk}.json"),
         grid=grid_file,
+        last=last_state,
+        forcing=user_forcing,
     output:
         dataset="results/{scene}/diagnostics.nc",
         headline="results/{scene}/diagnostics.json",
+        analyses="results/{scene}/analyses.nc",
     log:
         "results/{scene}/log/diagnostics.log",
     benchmark:
@@ -70,7 +74,7 @@ rule diagnostics:
         scene_keys=keys_of("diagnostics"),
         library=library_digest("diagnostics"),
     message:
-        "Diagnostics: series, budgets and their residuals"
+        "Diagnostics: series, budgets and analyses of the ice"
     script:
         "../../postprocess/diagnostics.py"
 
@@ -80,6 +84,7 @@ rule report:
         scene=ancient(scene_file),
         diagnostics="results/{scene}/diagnostics.nc",
         headline="results/{scene}/diagnostics.json",
+        analyses="results/{scene}/analyses.nc",
         first_state="results/{scene}/state/0000.nc",
         last_state=last_state,
         grid=grid_file,

@@ -9,7 +9,7 @@ middle and last window.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -74,6 +74,8 @@ class Conditions:
         Whether the ice has layers: its area then shrinks as it thins.
     relaxation_time : float
         In which the sea is drawn to a given temperature, s.
+    grounded_share : float
+        Share of the ice that the seabed can hold against the mean wind.
     """
 
     seconds: float
@@ -112,6 +114,7 @@ class Conditions:
     new_ice_thickness: float
     layered: bool
     relaxation_time: float
+    grounded_share: float = 0.0
 
     @property
     def coriolis(self) -> float:
@@ -201,7 +204,7 @@ def conditions(scene: Scene) -> Conditions:
     d = scene.dynamics
     size = math.sqrt(total / scene.packing.elements) if total else grid.spacing
     near_land = _near(mask["land"].values > 0, max(1, round(size / grid.spacing)))
-    return Conditions(
+    found = Conditions(
         seconds=scene.time.windows * scene.time.window,
         window=scene.time.window,
         latitude=float((weight * lat.reshape(ice.shape)).sum()),
@@ -229,6 +232,25 @@ def conditions(scene: Scene) -> Conditions:
         layered=scene.column.scheme != "zero_layer",
         relaxation_time=scene.sea.relaxation_time,
     )
+    held = _grounded(scene, siconc, sithick, found.wind_stress)
+    return replace(found, grounded_share=float((weight * held).sum()))
+
+
+def _grounded(
+    scene: Scene, siconc: np.ndarray, sithick: np.ndarray, wind_stress: float
+) -> np.ndarray:
+    """Where the seabed can hold the ice against a wind stress (Pa), (ny, nx).
+
+    Thickness is that where there is ice. No depth, no ground.
+    """
+    from floeflow.forcings.fixed_fields import sea_floor_depth
+
+    g = scene.grounding
+    if not (g.file or g.depth):
+        return np.zeros(siconc.shape)
+    excess = siconc * (sithick - sea_floor_depth(scene) / g.keel_ratio)
+    stress = g.strength * np.maximum(excess, 0.0) * np.exp(-g.openness * (1.0 - siconc))
+    return np.asarray(stress > wind_stress * siconc, dtype=float)
 
 
 def _spread(siconc: np.ndarray, area: np.ndarray) -> float:

@@ -11,19 +11,20 @@ import math
 from collections.abc import Callable
 
 from floeflow.analysis.estimate.conditions import Conditions
-from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY, ZERO_CELSIUS
+from floeflow.core.constants import ICE_DENSITY, LATENT_FUSION, SNOW_DENSITY, ZERO_CELSIUS
+from floeflow.scene.physics import ColumnPhysics
 
 Number = Callable[[Conditions], float]
 
-# As in `floeflow.column.params`, whose import would bring the whole column along.
-ICE_CONDUCTIVITY, SNOW_CONDUCTIVITY, LATENT_HEAT = 2.04, 0.31, 3.34e5
+_KEYS = ColumnPhysics()
+ICE_CONDUCTIVITY, SNOW_CONDUCTIVITY = _KEYS.ice_conductivity, _KEYS.snow_conductivity
 FREEZING = ZERO_CELSIUS - 1.8
-ICE_HEAT = ICE_DENSITY * LATENT_HEAT
+ICE_HEAT = ICE_DENSITY * LATENT_FUSION
 # Floes are far smaller than elements: their edges are what melts laterally (Steele 1992).
-FLOE_DIAMETER, FLOE_SHAPE = 300.0, 0.66
+FLOE_DIAMETER, FLOE_SHAPE = _KEYS.floe_diameter, 0.66
 WATER_HEAT = 4.1e6  # J/m3/K
 # Stanton number of heat from the sea to the ice, least friction velocity (Maykut & McPhee 1995).
-SEA_TRANSFER, LEAST_FRICTION = 6.0e-3, 5.0e-4
+SEA_TRANSFER, LEAST_FRICTION = _KEYS.ocean_transfer, 5.0e-4
 OPEN_ABSORPTION, ICE_ABSORPTION = 0.94, 0.35
 
 NUMBERS: dict[str, Number] = {}
@@ -77,6 +78,12 @@ def coriolis(c: Conditions) -> float:
 def tilt(c: Conditions) -> float:
     """ρ_i h f U_w / τ_a: slope of the sea over wind stress."""
     return _over(c.mass * abs(c.coriolis) * c.current, c.wind_stress)
+
+
+@number_of("grounding")
+def grounding(c: Conditions) -> float:
+    """Share of the ice that the seabed can hold against the mean wind."""
+    return c.grounded_share
 
 
 @number_of("friction")

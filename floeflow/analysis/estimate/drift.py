@@ -9,11 +9,14 @@ from __future__ import annotations
 
 import cmath
 import math
+from functools import lru_cache
 
 from floeflow.analysis.estimate.conditions import Conditions
 from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
 
 STEPS = 400
+# Effects that a run asks for: runs that differ in others alone are one.
+ACTING = frozenset({"wind", "ocean_drag", "turning_angle", "coriolis", "tilt"})
 
 
 def run_drift(c: Conditions, effects: frozenset[str]) -> complex:
@@ -26,8 +29,13 @@ def run_drift(c: Conditions, effects: frozenset[str]) -> complex:
     c : Conditions
         Of the scene.
     effects : frozenset of str
-        Effects that act; those without a share in free drift are ignored.
+        Effects of the run; those without a share in free drift are ignored.
     """
+    return _run_drift(c, effects & ACTING)
+
+
+@lru_cache(maxsize=256)
+def _run_drift(c: Conditions, effects: frozenset[str]) -> complex:
     mass = max(c.mass, 1.0)
     stress = AIR_DENSITY * c.air_drag * c.wind**2 / mass if "wind" in effects else 0.0
     factor = SEAWATER_DENSITY * c.ocean_drag / mass if "ocean_drag" in effects else 0.0

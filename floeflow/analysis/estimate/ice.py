@@ -21,12 +21,27 @@ from floeflow.analysis.estimate.dimensionless_numbers import (
     edge_rate,
     sea_delay,
 )
-from floeflow.core.constants import AIR_DENSITY, SNOW_DENSITY, ZERO_CELSIUS
+from floeflow.core.constants import (
+    AIR_DENSITY,
+    HEAT_AIR,
+    LATENT_FUSION,
+    LATENT_VAPOUR,
+    SNOW_DENSITY,
+    STEFAN_BOLTZMANN,
+    ZERO_CELSIUS,
+)
+from floeflow.scene.physics import ColumnPhysics
 
-STEFAN_BOLTZMANN, EMISSIVITY = 5.67e-8, 0.97
-AIR_HEAT, LATENT_VAPOUR, TRANSFER = 1004.0, 2.835e6, 1.75e-3
+_KEYS = ColumnPhysics()
+EMISSIVITY, TRANSFER = _KEYS.emissivity, _KEYS.bulk_transfer
+LATENT_SUBLIMATION = LATENT_FUSION + LATENT_VAPOUR  # J/kg
 ALBEDO_SNOW, ALBEDO_ICE, ALBEDO_POND, ALBEDO_WATER = 0.8, 0.55, 0.25, 0.06
 STEPS = 200
+# Effects that a run asks for: runs that differ in others alone are one.
+ACTING = frozenset(
+    ("thermodynamics", "shortwave", "snow", "ponds", "frazil", "lateral_melt", "mixed_layer")
+    + ("ridging",)
+)
 
 
 @dataclass(frozen=True)
@@ -50,9 +65,9 @@ def surface_flux(c: Conditions, temperature: float, albedo: float) -> float:
     sun = (1.0 - albedo) * c.shortwave_down
     glow = EMISSIVITY * (c.longwave_down - STEFAN_BOLTZMANN * temperature**4)
     stir = AIR_DENSITY * TRANSFER * c.wind
-    sensible = AIR_HEAT * stir * (c.air_temperature - temperature)
+    sensible = HEAT_AIR * stir * (c.air_temperature - temperature)
     vapour = 11637800.0 * math.exp(-5897.8 / temperature) / AIR_DENSITY
-    return sun + glow + sensible + LATENT_VAPOUR * stir * (c.specific_humidity - vapour)
+    return sun + glow + sensible + LATENT_SUBLIMATION * stir * (c.specific_humidity - vapour)
 
 
 def open_water_loss(c: Conditions) -> float:
@@ -75,7 +90,6 @@ def _surface(c: Conditions, conductance: float, albedo: float) -> tuple[float, f
     return 0.5 * (low + high), 0.0
 
 
-@lru_cache(maxsize=256)
 def run_ice(c: Conditions, effects: frozenset[str]) -> Ice:
     """Ice at the end of the run: the mean of two halves of the sea, with more and less ice.
 
@@ -84,8 +98,13 @@ def run_ice(c: Conditions, effects: frozenset[str]) -> Ice:
     c : Conditions
         Of the scene.
     effects : frozenset of str
-        Effects that act: thermodynamics and what refines it, ridging.
+        Effects of the run; those that act are thermodynamics, what refines it, and ridging.
     """
+    return _run_ice(c, effects & ACTING)
+
+
+@lru_cache(maxsize=256)
+def _run_ice(c: Conditions, effects: frozenset[str]) -> Ice:
     if "shortwave" not in effects:
         c = replace(c, shortwave_down=0.0)
     dense = min(1.0, c.concentration + c.concentration_spread, 2.0 * c.concentration)

@@ -66,6 +66,8 @@ def mechanical_drift(c: Conditions, name: str, effects: frozenset[str]) -> float
     if name == "coast":
         # The root mean square where a share of the ice stands still and the rest goes on.
         return math.sqrt(min(1.0, c.coast_share)) * free
+    if name == "grounding":
+        return math.sqrt(min(1.0, c.grounded_share)) * free
     if name == "walls":
         return min(1.0, NUMBERS["walls"](c)) * free
     if name == "ridging":

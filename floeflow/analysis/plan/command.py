@@ -22,15 +22,19 @@ from floeflow.core.errors import FloeError, answer
 def main(words: Sequence[str] | None = None) -> int:
     """Print a proposal, or fit the models anew."""
     parser = argparse.ArgumentParser(
-        prog="floeflow plan", description="Settings that reach an error or keep a budget."
+        prog="floeflow plan",
+        description="Propose numerical settings for a scene, from a wanted error or run time.",
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     parser.add_argument("scene", type=Path, nargs="?", help="a scene file")
     aim = parser.add_mutually_exclusive_group(required=True)
-    aim.add_argument("--error", type=float, help="largest error, relative to what happens")
-    aim.add_argument("--budget", help="longest wall time, such as 2h, 90m, 45s")
-    aim.add_argument("--refit", action="store_true", help="fit the models to the studies anew")
-    parser.add_argument("--ranks", type=int, default=1, help="MPI ranks of the element model")
-    parser.add_argument("--results", type=Path, default=Path("results"), help="for --refit")
+    aim.add_argument("--error", type=float, help="largest relative error (0.05 is 5 %%)")
+    aim.add_argument("--budget", help="longest wall time: 2h, 90m or 45s")
+    aim.add_argument("--refit", action="store_true", help="fit cost and error model to studies")
+    parser.add_argument("--ranks", type=int, default=1, help="number of MPI ranks")
+    parser.add_argument(
+        "--results", type=Path, default=Path("results"), help="folder of the studies, for --refit"
+    )
     given = parser.parse_args(words)
     logging.disable(logging.WARNING)
     return answer(partial(_refit, given.results) if given.refit else partial(_plan, given))
@@ -66,7 +70,7 @@ def _plan(given: argparse.Namespace) -> str:
     lines += ["Proposed:" if best else "with:", *_settings(best or least)]
     lines += [_say(best)] if best else []
     worst = sorted((best or least).parts.items(), key=lambda item: -item[1])
-    lines += ["Error by knob: " + ", ".join(f"{k} {100 * e:.2g} %" for k, e in worst)]
+    lines += ["Error by setting: " + ", ".join(f"{k} {100 * e:.2g} %" for k, e in worst)]
     return "\n".join(lines)
 
 

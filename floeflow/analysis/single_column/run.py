@@ -10,17 +10,24 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Sequence
+from datetime import datetime
 from functools import partial
 from pathlib import Path
+
+import yaml
 
 from floeflow.analysis.single_column.forcing_file import PointForcing, read_point
 from floeflow.analysis.single_column.year import run_column, start_columns
 from floeflow.column.params import Settings
 from floeflow.column.schemes import SCHEMES
 from floeflow.core.errors import FloeError, answer
+from floeflow.forcings.files import all_files
 from floeflow.report.figures.column import column_figure
 from floeflow.report.figures.style import write_png
+from floeflow.scene.checks import LEAST_SALINITY
 from floeflow.scene.effects import EFFECTS
+from floeflow.scene.load import build_scene
+from floeflow.scene.physics import ColumnPhysics
 from floeflow.state import write_dataset
 
 # Processes that need no neighbours.
@@ -35,15 +42,21 @@ DAY = 86400.0
 def arguments() -> argparse.ArgumentParser:
     """The command line."""
     parser = argparse.ArgumentParser(
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
         prog="floeflow column",
         description="One column of sea ice and its year.",
     )
     add = parser.add_argument
-    add("forcing", type=Path, help="CF or ERA5-named NetCDF file, see docs/forcing.md")
+    add("forcing", nargs="+", help="files or patterns, at a point or on a map: docs/forcing.md")
     add("--scheme", choices=tuple(SCHEMES), default="bl99", help="vertical thermodynamics")
     add("--categories", type=int, default=1, help="thickness categories")
     add("--layers", type=int, default=7, help="layers of ice (bl99, mushy)")
-    add("--light", choices=("ccsm3", "delta_eddington"), default="ccsm3", help="in snow and ice")
+    add(
+        "--light",
+        choices=("ccsm3", "delta_eddington"),
+        default="ccsm3",
+        help="radiation scheme for snow and ice",
+    )
     add(
         "--variant",
         choices=("convergent", "icepack"),
@@ -52,24 +65,51 @@ def arguments() -> argparse.ArgumentParser:
     )
     add("--ponds", action="store_true", help="melt ponds (bl99, mushy)")
     add("--without", nargs="+", choices=PROCESSES, default=[], help="processes to leave out")
-    add("--thickness", type=float, default=1.5, help="ice at the start (m)")
-    add("--fraction", type=float, default=1.0, help="share under ice at the start")
-    add("--snow", type=float, default=0.2, help="snow on the ice at the start (m)")
+    add("--thickness", type=float, default=1.5, help="initial ice thickness (m)")
+    add("--fraction", type=float, default=1.0, help="initial ice concentration (0 to 1)")
+    add("--snow", type=float, default=0.2, help="initial snow depth (m)")
     add("--step", type=float, default=3600.0, help="longest time step (s)")
     add("--every", type=float, default=DAY, help="time between records (s)")
-    add("--days", type=float, default=0.0, help="length of the run; 0: that of the forcing")
-    add("--repeat", type=int, default=1, help="run through the forcing so many times")
-    add("--lon", type=float, help="longitude of the place, on a grid (degrees)")
-    add("--lat", type=float, help="latitude of the place, on a grid (degrees)")
-    add("--accumulation", choices=("hour", "step", "day"), default="", help="interval of sums")
-    add("--salinity", type=float, default=34.0, help="of the sea (1e-3)")
-    add("--mixed-layer-depth", type=float, default=20.0, help="m")
-    add("--new-ice-thickness", type=float, default=0.05, help="m")
-    add("--ocean-heat-flux", type=float, default=2.0, help="where the file has none (W/m2)")
-    add("--friction-velocity", type=float, default=0.005, help="under the ice (m/s)")
-    add("--pressure", type=float, default=101325.0, help="where the file has none (Pa)")
-    add("--output", type=Path, default=Path("column.nc"), help="record, NetCDF")
-    add("--figure", type=Path, default=Path("column.png"), help="picture of it, PNG")
+    add("--days", type=float, default=0.0, help="length of the run (days); 0: that of the forcing")
+    add("--repeat", type=int, default=1, help="number of times to run through the forcing")
+    add("--lon", type=float, help="longitude, for a file on a grid (degrees east)")
+    add("--lat", type=float, help="latitude, for a file on a grid (degrees north)")
+    add(
+        "--accumulation",
+        choices=("hour", "step", "day"),
+        default="",
+        help="interval over which the file sums radiation and precipitation",
+    )
+    add("--salinity", type=float, default=34.0, help="salinity of the sea (1e-3)")
+    add("--mixed-layer-depth", type=float, default=20.0, help="depth of the mixed layer (m)")
+    add("--new-ice-thickness", type=float, default=0.05, help="thickness of new ice (m)")
+    add(
+        "--ocean-heat-flux",
+        type=float,
+        default=2.0,
+        help="heat flux from the ocean, if the file has none (W/m2)",
+    )
+    add(
+        "--friction-velocity",
+        type=float,
+        default=0.005,
+        help="friction velocity under the ice (m/s)",
+    )
+    add("--pressure", type=float, default=101325.0, help="air pressure, if the file has none (Pa)")
+    add(
+        "--start",
+        type=datetime.fromisoformat,
+        help="begin at this time of the forcing, as 2015-03-01T12:00; without: at its first record",
+    )
+    add(
+        "--physics",
+        nargs="+",
+        default=[],
+        metavar="KEY=VALUE",
+        help="keys of a scene's block 'physics', as albedo_ice_visible=0.75 (config/README.md)",
+    )
+    add("--output", type=Path, default=Path("column.nc"), help="output file (NetCDF)")
+    add("--figure", type=Path, default=Path("column.png"), help="figure file (PNG)")
     return parser
 
 
@@ -92,6 +132,11 @@ def check(given: argparse.Namespace) -> None:
             raise FloeError(f"--{name.replace('_', '-')} must not be below zero")
     if not 0 <= given.fraction <= 1:
         raise FloeError("--fraction must lie between 0 and 1")
+    if given.scheme == "mushy" and given.salinity < LEAST_SALINITY:
+        raise FloeError(
+            f"--salinity must be {LEAST_SALINITY:g} or more with --scheme mushy: fresh water makes "
+            "no mush"
+        )
     if given.ponds and given.scheme == "zero_layer":
         raise FloeError("--ponds needs --scheme bl99 or mushy")
     if given.ponds and "shortwave" in given.without:
@@ -114,7 +159,25 @@ def settings_of(given: argparse.Namespace) -> Settings:
         new_ice_thickness=given.new_ice_thickness,
         ocean_salinity=given.salinity,
         mixed_layer_depth=given.mixed_layer_depth,
+        physics=physics_of(given.physics),
     )
+
+
+def physics_of(words: Sequence[str]) -> ColumnPhysics:
+    """Constants of the command line, checked as those of a scene.
+
+    Raises
+    ------
+    FloeError
+        Names the key.
+    """
+    values = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not equals:
+            raise FloeError(f"--physics {word}: give a key and its value, as emissivity=0.97")
+        values[name] = yaml.safe_load(value)
+    return build_scene({"name": "column", "physics": values}).physics
 
 
 def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
@@ -125,7 +188,9 @@ def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
         "air_pressure": given.pressure,
     }
     place = None if given.lon is None else (given.lon, given.lat)
-    return read_point(given.forcing, settings, constant, place, given.accumulation)
+    files = all_files(map(str, given.forcing), "floeflow column")
+    forcing = read_point(files, settings, constant, place, given.accumulation)
+    return forcing if given.start is None else forcing.beginning(given.start)
 
 
 def run(given: argparse.Namespace) -> str:
@@ -139,30 +204,31 @@ def run(given: argparse.Namespace) -> str:
     check(given)
     settings = settings_of(given)
     forcing = forcing_of(given, settings)
-    length = (given.days * DAY or forcing.length) * given.repeat
+    length = (given.days * DAY or forcing.length - forcing.begin) * given.repeat
     surface = float(forcing(0.0)["air_temperature"][0])
     columns = start_columns(settings, given.thickness, given.fraction, given.snow, surface)
     began = time.perf_counter()
     data, worst = run_column(columns, forcing, length, given.every, settings)
     seconds = time.perf_counter() - began
-    data["time"].attrs = {"units": f"seconds since {forcing.start}", "calendar": "standard"}
+    data["time"].attrs = {"units": f"seconds since {forcing.first}", "calendar": "standard"}
+    files = ", ".join(Path(item).name for item in given.forcing)
     data.attrs = {
         "Conventions": "CF-1.10",
         "title": f"Column of sea ice: {given.scheme}",
         "scheme": given.scheme,
         "processes": " ".join(settings.processes),
-        "forcing": given.forcing.name,
+        "forcing": files,
     }
     write_dataset(data, given.output)
     title = f"{given.scheme}, {settings.categories} categor"
     title += "y" if settings.categories == 1 else "ies"
-    figure = column_figure(data, forcing.start, f"{title}: {given.forcing.name}")
+    figure = column_figure(data, forcing.first, f"{title}: {files}")
     given.figure.parent.mkdir(parents=True, exist_ok=True)
     write_png(figure, given.figure, 150)
     thickness = data["ice_volume"].values
     balance = ", ".join(f"{kind} {left:.1e}" for kind, left in worst.items())
-    return (
-        f"ice {thickness[0]:.2f} m, at most {thickness.max():.2f} m, at least "
+    return "\n".join(forcing.said) + (
+        f"\nice {thickness[0]:.2f} m, at most {thickness.max():.2f} m, at least "
         f"{thickness.min():.2f} m, at the end {thickness[-1]:.2f} m ({seconds:.1f} s)\n"
         f"largest residual of a record (W/m2, kg/m2): {balance}\n"
         f"written: {given.output}, {given.figure}"

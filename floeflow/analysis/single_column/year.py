@@ -10,11 +10,12 @@ import xarray as xr
 
 from floeflow.column.initial_columns import first_columns, layer_temperatures
 from floeflow.column.layered_run import freezing_point
-from floeflow.column.params import ColumnParams, Settings
+from floeflow.column.params import Settings
 from floeflow.column.physics import KELVIN
 from floeflow.column.schemes import advance_columns
 from floeflow.column.state import Array
 from floeflow.scene.effects import EFFECTS, column_variables
+from floeflow.scene.physics import ColumnPhysics
 
 Columns = dict[str, Array]
 
@@ -141,7 +142,7 @@ def _layers(columns: Columns, share: Array, sea: float, settings: Settings) -> C
         middles = (np.arange(SHOWN_LAYERS) + 0.5) / SHOWN_LAYERS
         top = columns["surface_temperature"][0][:, None]
         if "snow_volume" in columns:
-            top = _snow_base(columns, sea)[:, None]
+            top = _snow_base(columns, sea, settings.physics)[:, None]
         layers = top + (freezing_point(settings) + KELVIN - top) * middles
         return {"ice_temperature": (share[:, None] * layers)[there].sum(axis=0) + _nothing(there)}
     snow, ice = layer_temperatures(columns, settings)
@@ -160,11 +161,10 @@ def _nothing(there: Array) -> float:
     return 0.0 if there.any() else np.nan
 
 
-def _snow_base(columns: Columns, sea: float) -> Array:
+def _snow_base(columns: Columns, sea: float, keys: ColumnPhysics) -> Array:
     """Temperature (K) between zero-layer ice and its snow, from their resistances."""
-    p = ColumnParams()
-    ice = columns["ice_volume"][0] / p.ice_conductivity
-    snow = columns["snow_volume"][0] / p.snow_conductivity
+    ice = columns["ice_volume"][0] / keys.ice_conductivity
+    snow = columns["snow_volume"][0] / keys.snow_conductivity
     top = columns["surface_temperature"][0]
     whole = np.where(ice + snow > 0.0, ice + snow, 1.0)
     return np.asarray(top + (sea - top) * snow / whole)

@@ -126,7 +126,7 @@ def _knob(
         return
     colour, mark, dash = style
     x, y = [p.work for p in good], [p.errors[norm] for p in good]
-    label, size = ("all knobs", 9) if name == TOGETHER else (name.replace("_", " "), 5)
+    label, size = ("all settings", 9) if name == TOGETHER else (name.replace("_", " "), 5)
     axes.plot(x, y, marker=mark, color=colour, label=label, linestyle=dash, markersize=size)
     for point in good:
         if point.level == 1.0 or (math.isnan(point.level) and point.run == "base"):

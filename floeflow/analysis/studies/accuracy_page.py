@@ -52,8 +52,9 @@ def recommendation_table(study: Accuracy, scene: Scene) -> Table:
             levels = [knob.told(setting.levels.get(knob.name, 1.0)) for knob in turned]
             rows.append([100 * target, elements, 100 * setting.error, setting.work, *levels])
     note = (
-        "Levels are factors by which a knob is coarser (above 1) or finer than in the scene; error "
-        f"is the largest of {', '.join(KEPT)}; with the scene's elements, that of all other knobs."
+        "A level is the factor by which a setting is coarser (above 1) or finer than in the scene. "
+        f"The error is the largest of {', '.join(KEPT)}; with the scene's elements, that of all "
+        "other settings."
     )
     head = ("wanted (%)", "elements", "predicted (%)", "work", *(knob.name for knob in turned))
     return Table("Cheapest setting for an error", head, rows, note)
@@ -74,7 +75,7 @@ def order_table(study: Accuracy) -> Table:
         for knob, cells in by_knob.items()
     ]
     note = "In brackets: no convergence (order below 0.3 or above 5)."
-    return Table("Order of convergence", ("knob", "expected", *norms), rows, note)
+    return Table("Order of convergence", ("setting", "expected", *norms), rows, note)
 
 
 def run_table(study: Accuracy) -> Table:

@@ -70,12 +70,12 @@ def heat_to_ice(
     most = np.minimum(warmer * heat_capacity(params) / dt, OCEAN.largest_potential)
     most = np.where(sea.pending_freeze > 0.0, 0.0, most)
     speed = np.maximum(friction, OCEAN.least_friction_velocity)
-    exchange = OCEAN.heat_water * OCEAN.water_density * OCEAN.ocean_transfer * speed
+    exchange = OCEAN.heat_water * OCEAN.water_density * params.keys.ocean_transfer * speed
     bottom = np.minimum(exchange * warmer, most)
     if not params.lateral_melt:
         return bottom, np.zeros_like(bottom)
     rate = OCEAN.lateral_rate * warmer**OCEAN.lateral_power
-    side = np.minimum(rate * dt * np.pi / (OCEAN.floe_shape * OCEAN.floe_diameter), 1.0)
+    side = np.minimum(rate * dt * np.pi / (OCEAN.floe_shape * params.keys.floe_diameter), 1.0)
     side = np.where(most > 0.0, side, 0.0)
     share = np.minimum(most / (bottom + side * stored / dt + TINY), 1.0)
     return bottom * share, side * share

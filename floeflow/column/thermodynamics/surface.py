@@ -13,10 +13,8 @@ import numpy as np
 
 from floeflow.column.params import ColumnParams
 from floeflow.column.state import Array, ColumnForcing
+from floeflow.core.constants import GAS_AIR, HEAT_AIR, STEFAN_BOLTZMANN
 
-STEFAN_BOLTZMANN = 5.670374e-8  # W/m2/K4
-GAS_AIR = 287.05  # J/kg/K
-HEAT_AIR = 1005.0  # J/kg/K
 MAX_ITERATIONS = 60
 TOLERANCE = 1e-9  # K
 COLDEST = 100.0  # K: below every surface under a sky, above the pole of the vapour formula
@@ -91,16 +89,17 @@ def surface_fluxes(
     """
     air = forcing.air_temperature[:, None]
     pressure = forcing.air_pressure[:, None]
-    exchange = pressure / (GAS_AIR * air) * forcing.wind_speed[:, None]
+    density = params.keys.air_density or pressure / (GAS_AIR * air)
+    exchange = density * forcing.wind_speed[:, None]
     latent = params.latent_sublimation if ice else params.latent_vapour
     humidity, humidity_slope = saturation(temperature, pressure, ice)
-    heat = exchange * HEAT_AIR * params.transfer_heat
-    moisture = exchange * params.transfer_vapour
+    heat = exchange * HEAT_AIR * params.keys.bulk_transfer
+    moisture = exchange * params.keys.bulk_transfer
     vapour = moisture * (humidity - forcing.specific_humidity[:, None])
-    emitted = params.emissivity * STEFAN_BOLTZMANN * temperature**3
+    emitted = params.keys.emissivity * STEFAN_BOLTZMANN * temperature**3
     net = (
         (1.0 - albedo) * forcing.shortwave_down[:, None]
-        + params.emissivity * forcing.longwave_down[:, None]
+        + params.keys.emissivity * forcing.longwave_down[:, None]
         - emitted * temperature
         + heat * (air - temperature)
         - latent * vapour
@@ -125,11 +124,11 @@ def ice_albedo(thickness: Array, snow: Array, temperature: Array, params: Column
     cold = (params.melting_temperature - temperature) / params.albedo_ramp
     cold = np.clip(cold, 0.0, 1.0)
     ice = params.albedo_ice_melting + cold * (params.albedo_ice_cold - params.albedo_ice_melting)
-    thick = np.arctan(4.0 * thickness) / np.arctan(4.0 * params.albedo_thickness)
-    ice = params.albedo_ocean + np.minimum(thick, 1.0) * (ice - params.albedo_ocean)
+    thick = np.arctan(4.0 * thickness) / np.arctan(4.0 * params.keys.albedo_thickness)
+    ice = params.keys.albedo_ocean + np.minimum(thick, 1.0) * (ice - params.keys.albedo_ocean)
     brightening = params.albedo_snow_cold - params.albedo_snow_melting
     white = params.albedo_snow_melting + cold * brightening
-    covered = snow / (snow + params.snow_patchiness)
+    covered = snow / (snow + params.keys.snow_patchiness)
     return np.asarray(ice + covered * (white - ice))
 
 

@@ -99,7 +99,8 @@ def step_with_sea(
     snow = vertical.snow - drowned
     to_sea = (vertical.spare - params.snow_energy * drowned).sum(axis=1)
 
-    lead = surface_fluxes(water_temperature[:, None], forcing, params.albedo_ocean, False, params)
+    albedo = params.keys.albedo_ocean
+    lead = surface_fluxes(water_temperature[:, None], forcing, albedo, False, params)
     lead_net = lead.net[:, 0]
     lead_heat = (lead_net - params.latent_fusion * forcing.snowfall) * open_water * dt
     if sea is None:
@@ -178,7 +179,8 @@ def _top_and_bottom(
     h_ice = np.where(exists, state.ice_volume * per_area, 1.0)
     h_snow = np.where(exists, state.snow_volume * per_area, 0.0)
     albedo = ice_albedo(h_ice, h_snow, state.surface_temperature, params)
-    conductance = 1.0 / (h_ice / params.ice_conductivity + h_snow / params.snow_conductivity)
+    keys = params.keys
+    conductance = 1.0 / (h_ice / keys.ice_conductivity + h_snow / keys.snow_conductivity)
     temperature, excess, flux = balance(
         state.surface_temperature, conductance, forcing, albedo, params
     )

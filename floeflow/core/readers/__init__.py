@@ -3,22 +3,49 @@
 
 A reader is one small file with `opens(path)`, which tells by the name or the first bytes whether
 the file is its own, and `open_raw(path)`, which opens it lazily. Numbers stay packed, fills and
-flags stay numbers: `floeflow.core.unpack` decodes them, the same for all formats.
+flags stay numbers: `floeflow.core.unpack` decodes them, the same for all formats. Extensions add
+readers with `add_reader`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
 import xarray as xr
 
 from floeflow.core.errors import FloeError
+from floeflow.core.extensions import load_extensions
 from floeflow.core.readers import geotiff, grib, netcdf, nsidc, png, zarr_store
 
 # In the order in which they are asked; NetCDF is the last resort and says what is wrong.
 READERS: tuple[ModuleType, ...] = (zarr_store, grib, geotiff, png, nsidc, netcdf)
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A reader from outside, asked before those of FloeFlow.
+
+    Parameters
+    ----------
+    opens : callable
+        Whether a path is a file of its format.
+    open_raw : callable
+        Opens it lazily, as a dataset with CF attributes, values as stored.
+    """
+
+    opens: Callable[[Path], bool]
+    open_raw: Callable[[Path], xr.Dataset]
+
+
+_ADDED: list[Reader] = []
+
+
+def add_reader(opens: Callable[[Path], bool], open_raw: Callable[[Path], xr.Dataset]) -> None:
+    """Register a reader of another format; see `Reader`."""
+    _ADDED.append(Reader(opens, open_raw))
 
 
 def open_raw(path: str | Path) -> xr.Dataset:
@@ -35,11 +62,12 @@ def open_raw(path: str | Path) -> xr.Dataset:
         raise FloeError(f"{path}: there is no such file")
     if not (path.is_file() or path.is_dir()):
         raise FloeError(f"{path}: is no file, but a pipe or a device")
-    for reader in READERS:
+    load_extensions()
+    own = (Reader(reader.opens, reader.open_raw) for reader in READERS)
+    for reader in (*_ADDED, *own):
         if reader.opens(path):
-            opened: Callable[[Path], xr.Dataset] = reader.open_raw
-            return opened(path)
+            return reader.open_raw(path)
     raise FloeError(f"{path}: is a folder, and no Zarr store")
 
 
-__all__ = ["READERS", "open_raw"]
+__all__ = ["READERS", "add_reader", "open_raw"]

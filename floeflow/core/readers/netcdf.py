@@ -28,4 +28,9 @@ def open_raw(path: Path) -> xr.Dataset:
             path, engine="netcdf4", decode_cf=False, create_default_indexes=False
         )
     except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
+        with path.open("rb") as file:
+            if file.read(256).lstrip().startswith(b"<"):
+                raise FloeError(
+                    f"{path}: is a page of HTML or XML and no data: did its download need a login?"
+                ) from None
         raise FloeError(f"{path}: cannot be read as NetCDF ({type(error).__name__})") from None

@@ -10,10 +10,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from floeflow.core import area_means, fields, interpolate
 from floeflow.core import cf_reading as cf
-from floeflow.core import fields, interpolate
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import mask_grid, scene_crs, to_lonlat
+from floeflow.core.input_files import Hints
 from floeflow.forcings import cf_variables as names
 from floeflow.masks.mask_file import nearest_time
 from floeflow.scene.blocks import Scene
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 log = logging.getLogger(__name__)
 
 SALT_UNITS = ("", "1e-3", "psu", "pss", "pss-78", "1", "0.001", "g kg-1", "g/kg", "ppt")
+# No sea is as fresh as this everywhere (1e-3).
+FRESHEST = 0.5
 # Name in the mask's file, quantity, key of the scene.
 SEA_FIELDS = (
     ("sst", "sea_surface_temperature", "temperature"),
@@ -33,6 +36,11 @@ SEA_FIELDS = (
 def sea_path(scene: Scene) -> Path:
     """File that holds the sea at the start."""
     return Path(scene.sea.file or scene.mask.file)
+
+
+def sea_hints(scene: Scene) -> Hints:
+    """What the scene says of that file: where it is the mask's, its projection."""
+    return Hints("mask", "" if scene.sea.file else scene.mask.crs)
 
 
 def find_sea(
@@ -75,7 +83,7 @@ def sea_fields(
     """
     path = sea_path(scene)
     made = {}
-    with fields.open_file(path) as data:
+    with fields.open_file(path, sea_hints(scene)) as data:
         variables = cf.variables_of(data)
         for name, quantity, key in SEA_FIELDS:
             variable = find_sea(variables, scene, quantity, key)
@@ -117,7 +125,9 @@ def _check_range(values: Array, variable: cf.Variable, rule: names.Quantity, pat
     known = values[np.isfinite(values)]
     if not known.size:
         raise FloeError(f"{path}: variable '{variable.name}' has no value that is not missing")
-    if known.min() < rule.low or known.max() > rule.high:
+    # Salinity in kg/kg lies inside of the range of 1e-3, far below any sea.
+    low = FRESHEST if rule.si == "1e-3" else rule.low
+    if known.min() < rule.low or not low <= known.max() <= rule.high:
         raise FloeError(
             f"{path}: '{variable.name}' reaches from {known.min():g} to {known.max():g} "
             f"{rule.si}, outside {rule.low:g} to {rule.high:g}: check its units"
@@ -127,12 +137,10 @@ def _check_range(values: Array, variable: cf.Variable, rule: names.Quantity, pat
 def _to_places(
     filled: Array, source: fields.AnySource, scene: Scene, lon: Array, lat: Array
 ) -> Array:
-    """Bilinear at places; 0 off the file's grid."""
-    if isinstance(source, fields.Source):
-        weights = interpolate.weights(source, lon, lat)
-    else:
-        weights = interpolate.triangle_weights(source, scene_crs(scene.domain), lon, lat)
-    return np.where(weights.inside, weights.of(filled), 0.0)
+    """At places of the mask grid, as the mask is brought there; 0 off the file's grid."""
+    grid, crs = mask_grid(scene.domain, scene.mask.refine), scene_crs(scene.domain)
+    found = area_means.transfer(source, grid, crs, lon, lat)
+    return np.where(found.inside, found.of(filled), 0.0)
 
 
 def with_sea(scene: Scene, mask: xr.Dataset) -> xr.Dataset:
@@ -157,7 +165,7 @@ def check_sea_file(scene: Scene) -> None:
         One sentence: no file, no NetCDF, no such variable, units unknown.
     """
     path = sea_path(scene)
-    with fields.open_file(path) as data:
+    with fields.open_file(path, sea_hints(scene)) as data:
         variables = cf.variables_of(data)
     for _, quantity, key in SEA_FIELDS:
         variable = find_sea(variables, scene, quantity, key)

@@ -7,7 +7,7 @@ import numpy as np
 
 from floeflow.core.errors import FloeError
 from floeflow.dynamics.engine.params import FIXED, EngineParams, Forcing
-from floeflow.state.bonds import BOND_COLUMNS, RIDGE_COLUMNS, Arrays, element_rows
+from floeflow.state.bonds import BOND_COLUMNS, RIDGE_COLUMNS, Arrays, element_rows, pair_keys
 
 _POSITIVE = ("radius", "mass")
 _NUMBERS = ("x", "y", "theta", "u", "v", "omega", "radius", "mass", "thickness", "ice_area")
@@ -52,7 +52,7 @@ def _check_pairs(elements: Arrays, table: Arrays, names: tuple[str, ...], kind: 
     rows = element_rows(elements["id"], lo), element_rows(elements["id"], hi)
     if not (lo < hi).all():
         raise FloeError(f"Each {kind} must name the lower id first.")
-    if len(np.unique(np.column_stack([lo, hi]), axis=0)) != len(lo):
+    if len(np.unique(pair_keys(table))) != len(lo):
         raise FloeError(f"A pair of elements appears twice in the {kind} table.")
     both = (elements["type"][rows[0]] == FIXED) & (elements["type"][rows[1]] == FIXED)
     if both.any():
@@ -92,10 +92,10 @@ def check_contacts(
     for name in kept:
         if (contacts[name] < 0).any():
             raise FloeError(f"A contact's {name} must not be negative.")
-    bonded = set(zip(bonds["id_lo"].tolist(), bonds["id_hi"].tolist(), strict=True))
-    for pair in zip(contacts["id_lo"].tolist(), contacts["id_hi"].tolist(), strict=True):
-        if pair in bonded:
-            raise FloeError(f"Elements {pair[0]} and {pair[1]} are bonded and in contact at once.")
+    both = np.flatnonzero(np.isin(pair_keys(contacts), pair_keys(bonds)))
+    if both.size:
+        lo, hi = (contacts[name][both[0]] for name in ("id_lo", "id_hi"))
+        raise FloeError(f"Elements {lo} and {hi} are bonded and in contact at once.")
 
 
 def check_time(params: EngineParams, forcing: Forcing | None, begin: float, steps: int) -> None:

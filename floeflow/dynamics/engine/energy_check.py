@@ -17,7 +17,8 @@ from floeflow.dynamics.engine.params import FIXED
 from floeflow.state.bonds import Arrays
 
 STORES = ("kinetic_now", "rotational_now", "elastic_bond", "elastic_contact")
-EXTERNAL = ("work_wind", "work_ocean", "work_coriolis", "work_tilt", "work_wall")
+# Works among the elements themselves; all others come from outside.
+INTERNAL = ("work_contact", "work_spin")
 # A step of the default's size misses a few percent; a run that diverges makes many times what it
 # has within some hundred steps.
 MOST = 2.0
@@ -32,7 +33,12 @@ def stored_energy(sums: Mapping[str, float]) -> float:
 
 def external_work(sums: Mapping[str, float]) -> float:
     """Work of wind, water and walls since `load`, J."""
-    return sum(sums.get(name, 0.0) for name in EXTERNAL)
+    return sum(value for name, value in sums.items() if is_external(name))
+
+
+def is_external(name: str) -> bool:
+    """Whether a sum of `Engine.diagnostics` is a work of wind, water or walls."""
+    return name.startswith("work_") and name not in INTERNAL
 
 
 def lost_energy(sums: Mapping[str, float]) -> float:
@@ -61,7 +67,7 @@ def check_energy(
     """
     mobile = np.asarray(elements["type"]) != FIXED
     mass = float(elements["mass"][mobile].sum())
-    worked = sum(abs(now.get(name, 0.0)) for name in EXTERNAL)
+    worked = sum(abs(value) for name, value in now.items() if is_external(name))
     given = stored_energy(first) + worked + 0.5 * mass * STILL**2
     found = stored_energy(now) + lost_energy(now)
     if found > MOST * given:

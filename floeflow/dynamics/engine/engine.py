@@ -16,10 +16,17 @@ from mpi4py import MPI
 
 from floeflow.core.errors import FloeError
 from floeflow.dynamics.engine.checks import check_bonds, check_contacts, check_elements, check_time
+from floeflow.dynamics.engine.division import Division, choose_division
 from floeflow.dynamics.engine.log import log_tail, open_fault
 from floeflow.dynamics.engine.params import EngineParams, Forcing
 from floeflow.dynamics.engine.plugin import load_plugin, open_liggghts
-from floeflow.dynamics.engine.setup import bond_reach, contact_reach, setup_commands
+from floeflow.dynamics.engine.setup import (
+    EVEN,
+    bond_reach,
+    box_of,
+    contact_reach,
+    setup_commands,
+)
 from floeflow.dynamics.engine.tables import (
     count_pairs,
     create_elements,
@@ -149,8 +156,14 @@ class Engine:
         self._open()
         self._start, self._steps = time, 0
         self._ids, self._bonds = np.asarray(elements["id"]), len(bonds["id_lo"])
-        for line in setup_commands(elements, self.params, reach):
+        division = self._division(elements, reach)
+        for line in setup_commands(
+            elements, self.params, reach, division.command if division else EVEN
+        ):
             self._command(line)
+        if division:
+            cuts = np.array(division.x), np.array(division.y)
+            self._check(self._library.floe_divide(self._instance, *cuts))
         self._check(create_elements(self._library, self._instance, elements))
         self._library.floe_set_start_time(self._instance, self._start)
         if self.walls is not None:
@@ -184,16 +197,19 @@ class Engine:
         FloeError
             If a field that the switches need is missing, misshapen or not finite.
         """
-        velocity, coriolis = forcing.packed(self.params.external)
+        velocity, steady = forcing.packed(self.params.external)
         x, y = np.asarray(forcing.x, float), np.asarray(forcing.y, float)
         time = np.ascontiguousarray(forcing.time, dtype=float)
         spacing = [float(a[-1] - a[0]) / (len(a) - 1) if len(a) > 1 else 1.0 for a in (x, y)]
         self._check(
             self._library.floe_set_forcing(
                 *(self._instance, len(time), len(y), len(x), time),
-                *(float(x[0]), spacing[0], float(y[0]), spacing[1], velocity, coriolis),
+                *(float(x[0]), spacing[0], float(y[0]), spacing[1], velocity),
+                *(steady["coriolis"], forcing.over_discs, forcing.wind_stress),
             )
         )
+        if "sea_floor_depth" in steady:
+            self._library.floe_set_depth(self._instance, steady["sea_floor_depth"])
         self._forcing = forcing
 
     def run(self, steps: int) -> None:
@@ -258,8 +274,22 @@ class Engine:
             raise EngineError(f"{self.log}: LIGGGHTS' log cannot be written: {fault}.")
         self._check(open_liggghts(self._library, self._handle, self.comm, self.log))
 
+    def _division(self, elements: Arrays, reach: float) -> Division | None:
+        """How the ranks share the box; from one rank, so that all have the same."""
+        if self.comm.size == 1 or self.params.period is not None:
+            return None
+        box = box_of(elements, self.params, reach)
+        found = None
+        if self.comm.rank == 0:
+            found = choose_division(elements, self.comm.size, (box.x, box.y), box.margin)
+        return self.comm.bcast(found)
+
     def _put_pairs(self, bonds: Arrays, contacts: Arrays) -> None:
         self._check(put_pairs(self._library, self._instance, bonds, contacts))
+        # None but these are there, so their number tells; a small periodic box may hold one twice.
+        found = self.comm.allreduce(sum(count_pairs(self._library, self._instance)))
+        if self.params.period is None and found == len(bonds["id_lo"]) + len(contacts["id_lo"]):
+            return
         for table, present, kind in zip(
             (bonds, contacts), self._pairs(), ("bond", "contact"), strict=True
         ):

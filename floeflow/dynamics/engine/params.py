@@ -14,7 +14,39 @@ from floeflow.core.errors import FloeError
 from floeflow.state.bonds import CONTACT_COLUMNS, RIDGE_COLUMNS
 
 FIXED = 2  # type of elements that never move
+# Fields of the forcing that do not change in time.
+STEADY = ("coriolis", "sea_floor_depth")
 VELOCITIES = ("wind_u", "wind_v", "ocean_u", "ocean_v")
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force of `fix floe/integrate` beyond wind, water and the rotation of the earth.
+
+    Parameters
+    ----------
+    switch : str
+        The keyword that turns it on.
+    settings : tuple of (str, float)
+        Further keywords and their values, in the plugin's units.
+    fields : tuple of str
+        Fields of the forcing that it reads.
+    """
+
+    switch: str
+    settings: tuple[tuple[str, float], ...] = ()
+    fields: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name, value in self.settings:
+            if not math.isfinite(value):
+                raise FloeError(f"{name} must be finite, not {value}.")
+
+    @property
+    def words(self) -> str:
+        """Keywords and values of the LIGGGHTS command."""
+        values = (f" {name} {float(value)!r}" for name, value in self.settings)
+        return f" {self.switch} yes" + "".join(values)
 
 
 @dataclass(frozen=True)
@@ -45,6 +77,8 @@ class EngineParams:
     turning_angle : float
         By which the ocean drag is turned, rad: to the left where the Coriolis parameter is
         positive, to the right where it is negative.
+    forces : tuple of Force
+        Further forces of the integrator.
     relative_wind : bool
         Wind stress from the wind relative to the ice.
     fixed_contacts : bool
@@ -91,6 +125,7 @@ class EngineParams:
     wind_stress_factor: float = AIR_DENSITY * 1.2e-3
     ocean_stress_factor: float = SEAWATER_DENSITY * 5.5e-3
     turning_angle: float = 0.0
+    forces: tuple[Force, ...] = ()
     relative_wind: bool = False
     fixed_contacts: bool = True
     walls: bool = False
@@ -163,6 +198,8 @@ class EngineParams:
             names |= {"ocean_u", "ocean_v"}
         if self.coriolis or self.tilt or self.turning_angle:
             names |= {"coriolis"}
+        for force in self.forces:
+            names |= set(force.fields)
         return tuple(sorted(names))
 
     def pair_style(self, reach: float) -> str:
@@ -195,6 +232,7 @@ class EngineParams:
             f" coriolis {_yes(self.coriolis)} tilt {_yes(self.tilt)}"
             f" air_drag {self.wind_stress_factor!r} water_drag {self.ocean_stress_factor!r}"
             f" turning_angle {math.degrees(self.turning_angle)!r}"
+            + "".join(force.words for force in self.forces)
         )
 
 
@@ -219,17 +257,24 @@ class Forcing:
     x, y : ndarray, shapes (nx,), (ny,)
         Grid axes, m, equally spaced and ascending. Outside of them the edge holds.
     fields : dict of ndarray
-        wind_u, wind_v, ocean_u, ocean_v (m/s), shape (nt, ny, nx); coriolis (1/s), shape (ny, nx).
-        Only those that the switches need.
+        wind_u, wind_v, ocean_u, ocean_v (m/s), shape (nt, ny, nx); coriolis (1/s) and
+        sea_floor_depth (m), shape (ny, nx). Only those that the switches need.
+    over_discs : bool
+        Whether elements meet means over their discs, else what is at their centres.
+    wind_stress : bool
+        Whether what lies between nodes and times, and means over discs, are those of the wind's
+        stress |w| w, else of its velocity.
     """
 
     time: np.ndarray
     x: np.ndarray
     y: np.ndarray
     fields: dict[str, np.ndarray] = field(default_factory=dict)
+    over_discs: bool = False
+    wind_stress: bool = False
 
-    def packed(self, needed: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
-        """Arrays for the plugin: velocities (nt, ny, nx, 4) and Coriolis parameter (ny, nx).
+    def packed(self, needed: tuple[str, ...]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Arrays for the plugin: velocities (nt, ny, nx, 4) and what is `STEADY`, (ny, nx) each.
 
         Raises
         ------
@@ -246,7 +291,7 @@ class Forcing:
                 if np.ptp(gaps) > 1e-6 * gaps.mean():
                     raise FloeError(f"The forcing's {name} axis must be equally spaced.")
         for name in needed:
-            shape = (ny, nx) if name == "coriolis" else (nt, ny, nx)
+            shape = (ny, nx) if name in STEADY else (nt, ny, nx)
             if name not in self.fields:
                 raise FloeError(f"The forcing has no {name}, which the scene's effects need.")
             values = np.asarray(self.fields[name])
@@ -260,7 +305,11 @@ class Forcing:
         for k, name in enumerate(VELOCITIES):
             if name in needed:
                 velocity[..., k] = self.fields[name]
-        coriolis = np.zeros((ny, nx))
-        if "coriolis" in needed:
-            coriolis[...] = self.fields["coriolis"]
-        return velocity, coriolis
+        if self.wind_stress:
+            velocity[..., :2] *= np.hypot(velocity[..., 0], velocity[..., 1])[..., None]
+        steady = {
+            name: np.array(self.fields[name], dtype=float, order="C")
+            for name in STEADY
+            if name in needed
+        }
+        return velocity, {"coriolis": np.zeros((ny, nx)), **steady}

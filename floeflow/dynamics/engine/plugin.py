@@ -43,6 +43,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     ),
     "floe_close": (_DONE, [ctypes.c_void_p]),
     "floe_command": (ctypes.c_int, [ctypes.c_void_p, ctypes.c_char_p]),
+    "floe_divide": (ctypes.c_int, [ctypes.c_void_p, _NUMBERS, _NUMBERS]),
     "floe_set_start_time": (_DONE, [ctypes.c_void_p, ctypes.c_double]),
     "floe_create_elements": (
         ctypes.c_int,
@@ -72,9 +73,10 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
         [
             *(ctypes.c_void_p, _COUNT, _COUNT, _COUNT, _NUMBERS),
             *(ctypes.c_double,) * 4,
-            *(_NUMBERS, _NUMBERS),
+            *(_NUMBERS, _NUMBERS, ctypes.c_int, ctypes.c_int),
         ],
     ),
+    "floe_set_depth": (_DONE, [ctypes.c_void_p, _NUMBERS]),
     "floe_sum_names": (ctypes.c_char_p, []),
     "floe_sums": (ctypes.c_int, [ctypes.c_void_p, _NUMBERS, ctypes.c_int]),
     "floe_fault": (_DONE, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),

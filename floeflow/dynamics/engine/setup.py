@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,11 +27,54 @@ PLANE = (
     "boundary m m p",
     "newton off",
     "communicate single vel yes",
-    "processors * * 1",
 )
+# LIGGGHTS' own division of the box among the ranks.
+EVEN = "processors * * 1"
 
 
-def setup_commands(elements: Arrays, params: EngineParams, reach: float) -> list[str]:
+@dataclass(frozen=True)
+class Box:
+    """The box of a state, and how far ranks and neighbour lists see in it.
+
+    Parameters
+    ----------
+    x, y : tuple of float
+        Lowest and highest, m.
+    skin : float
+        Extra distance of the neighbour lists, m.
+    margin : float
+        The furthest that neighbours are sought for, m.
+    """
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    skin: float
+    margin: float
+
+
+def box_of(elements: Arrays, params: EngineParams, reach: float) -> Box:
+    """The box for a state.
+
+    Parameters
+    ----------
+    elements, params, reach
+        As for `setup_commands`.
+    """
+    skin = params.skin if params.skin is not None else choose_skin(elements, params)
+    margin = 2.0 * float(elements["radius"].max()) * reach + skin
+    if params.period is not None:
+        west, south, east, north = map(float, params.period)
+        return Box((west, east), (south, north), skin, margin)
+    x, y = (
+        (float(elements[axis].min()) - margin, float(elements[axis].max()) + margin)
+        for axis in ("x", "y")
+    )
+    return Box(x, y, skin, margin)
+
+
+def setup_commands(
+    elements: Arrays, params: EngineParams, reach: float, division: str = EVEN
+) -> list[str]:
     """LIGGGHTS commands before elements are created.
 
     Parameters
@@ -41,24 +85,21 @@ def setup_commands(elements: Arrays, params: EngineParams, reach: float) -> list
         Laws, switches and time step.
     reach : float
         Neighbours are kept up to this multiple of the sum of radii.
+    division : str
+        The command that says how many ranks lie along each axis.
     """
-    skin = params.skin if params.skin is not None else choose_skin(elements, params)
-    margin = 2.0 * float(elements["radius"].max()) * reach + skin
-    low = [float(elements[axis].min()) - margin for axis in ("x", "y")]
-    high = [float(elements[axis].max()) + margin for axis in ("x", "y")]
+    box = box_of(elements, params, reach)
     plane: tuple[str, ...] = PLANE
     if params.period is not None:
-        low, high = (
-            [float(edge) for edge in edges] for edges in (params.period[:2], params.period[2:])
-        )
         plane = tuple("boundary p p p" if line.startswith("boundary") else line for line in PLANE)
     return [
         *plane,
+        division,
         # As deep as wide neighbourhoods: LIGGGHTS refuses to bin a flat box.
-        f"region box block {low[0]!r} {high[0]!r} {low[1]!r} {high[1]!r}"
-        f" {-margin!r} {margin!r} units box",
+        f"region box block {box.x[0]!r} {box.x[1]!r} {box.y[0]!r} {box.y[1]!r}"
+        f" {-box.margin!r} {box.margin!r} units box",
         "create_box 2 box",
-        f"neighbor {skin!r} bin",
+        f"neighbor {box.skin!r} bin",
         # Not `one` or `page`: with other than their defaults LIGGGHTS 3.8 makes new lists at
         # each `run` and forgets all pairs.
         "neigh_modify delay 0 every 1 check yes",

@@ -8,7 +8,14 @@ import ctypes
 import numpy as np
 from mpi4py import MPI
 
-from floeflow.state.bonds import BOND_COLUMNS, CONTACT_COLUMNS, RIDGE_COLUMNS, Arrays, line_length
+from floeflow.state.bonds import (
+    BOND_COLUMNS,
+    CONTACT_COLUMNS,
+    RIDGE_COLUMNS,
+    Arrays,
+    line_length,
+    pair_keys,
+)
 
 # What wind and ocean have given an element since it was loaded, N s.
 IMPULSES = ("wind_impulse_x", "wind_impulse_y", "ocean_impulse_x", "ocean_impulse_y")
@@ -37,6 +44,8 @@ def stack_columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
 
 def gather(comm: MPI.Comm, local: np.ndarray) -> np.ndarray:
     """Rows of all ranks, by rank, on every rank."""
+    if comm.size == 1:
+        return local
     counts = comm.allgather(local.nbytes)
     out = np.empty(sum(counts), np.uint8)
     comm.Allgatherv(
@@ -61,9 +70,10 @@ def get_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
     library.floe_get_elements(instance, ids, kind, columns)
     ids, kind, columns = (gather(comm, a) for a in (ids, kind, columns))
     order = np.argsort(ids)
+    columns = columns[order]  # whole rows: a column at a time would fetch each of them again
     out: Arrays = {"id": ids[order], "type": kind[order]}
     for k, name in enumerate(COLUMNS):
-        out[name] = columns[order, k].copy()
+        out[name] = columns[:, k].copy()
     return out
 
 
@@ -96,11 +106,12 @@ def get_pairs(
     tables = []
     for k, (names, wanted) in enumerate(((BOND_COLUMNS, BOND_COLUMNS), (_CONTACT, contact))):
         pair, row = gather(comm, ids[k]), gather(comm, values[k])
-        order = np.lexsort((pair[:, 1], pair[:, 0]))
-        table = {"id_lo": pair[order, 0].copy(), "id_hi": pair[order, 1].copy()}
+        order = np.argsort((pair[:, 0] << 32) | pair[:, 1])
+        pair, row = pair[order], row[order]
+        table = {"id_lo": pair[:, 0].copy(), "id_hi": pair[:, 1].copy()}
         for column, name in enumerate(names):
             if name in wanted:
-                table[name] = row[order, column].copy()
+                table[name] = row[:, column].copy()
         tables.append(table)
     tables[0]["length"] = line_length(tables[0])
     return tables[0], tables[1]
@@ -123,9 +134,8 @@ def get_sums(
 
 def missing_pairs(wanted: Arrays, present: Arrays) -> list[tuple[int, int]]:
     """Pairs of one table that another does not have."""
-    have = set(zip(present["id_lo"].tolist(), present["id_hi"].tolist(), strict=True))
-    want = zip(wanted["id_lo"].tolist(), wanted["id_hi"].tolist(), strict=True)
-    return [pair for pair in want if pair not in have]
+    rows = np.flatnonzero(~np.isin(pair_keys(wanted), pair_keys(present)))
+    return [(int(wanted["id_lo"][k]), int(wanted["id_hi"][k])) for k in rows]
 
 
 def first_fault(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm) -> str:

@@ -2,7 +2,8 @@
 """Replace the elements of a state by fresh ones in the cells of a tessellation.
 
 Elements that drifted off the cells, out of the scene, stay as they are, with ids above those of
-all cells. Coast elements stay.
+all cells. Coast elements stay. One that stands for more sea than its bay has lies on land with most
+of its outline, but has not left.
 """
 
 from __future__ import annotations
@@ -40,12 +41,12 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Index = NDArray[np.int64]
 
-# An element that lies on the cells with less than this share of itself has left them.
-LEAST_COVER = 0.5
+# An element that lies on the cells with less than this share of itself has left them, unless its
+# centre is within the rectangle about the cells and no further from a site than so many times the
+# radius of a circle of that cell's area: then it is one of a bay or a channel, and lies on land.
+LEAST_COVER, NEAR = 0.5, 2.0
 # A cell holds more than its area where it is more by this share.
 ROUND_OFF = 1.0e-9
-# Share of its radius by which a fresh element stands beside one that stayed at its place.
-NUDGE = 1.0e-3
 
 
 @dataclass(frozen=True)
@@ -84,15 +85,34 @@ def lay(state: xr.Dataset, cells: Cells) -> Laid:
     place = np.stack([state["x"].values, state["y"].values], axis=1)[mobile]
     area = state["area"].values[mobile]
     start, corner = outlines(state, mobile)
-    near = cKDTree(np.stack([cells.x, cells.y], axis=1)).query(place)[1]
+    away, near = cKDTree(np.stack([cells.x, cells.y], axis=1)).query(place)
     on_map = area / cells.scale[near]
     old = carried_polygons(start, corner, place, state["theta"].values[mobile], on_map)
     pairs = overlap(old, cells.polygons)
     on = covered(pairs[0], pairs[2], old) >= LEAST_COVER
+    low, high = shapely.total_bounds(cells.polygons).reshape(2, 2)
+    inside = ((place >= low) & (place <= high)).all(axis=1)
+    on |= inside & (away <= NEAR * np.sqrt(cells.area[near] / np.pi))
+    pairs = _with_nearest(pairs, on, near, cells, shapely.area(old))
     chosen = np.flatnonzero(on)
     pieces = make_pieces(pairs, chosen, area[chosen], len(cells.id))
     centre = shapely.get_coordinates(shapely.centroid(old[chosen]))
     return Laid(mobile[chosen], mobile[~on], pieces, centre)
+
+
+def _with_nearest(
+    pairs: tuple[Index, Index, Array, Array], on: Flags, near: Index, cells: Cells, area: Array
+) -> tuple[Index, Index, Array, Array]:
+    """Pairs with those of elements that lie on land alone, each on the cell of its nearest site."""
+    bare = np.setdiff1d(np.flatnonzero(on), pairs[0])
+    cell = near[bare]
+    site = np.stack([cells.x[cell], cells.y[cell]], axis=1)
+    more = (bare, cell, area[bare], site)
+    source, target, shared, centre = (
+        np.concatenate([each, one]) for each, one in zip(pairs, more, strict=True)
+    )
+    order = np.lexsort((target, source))
+    return source[order], target[order], shared[order], centre[order]
 
 
 def outlines(state: xr.Dataset, rows: Index) -> tuple[Index, Array]:
@@ -230,11 +250,6 @@ def _assemble(
     if "wall_face_ax" in state and state.sizes["wall_face"]:
         ashore = unsafe(pair_arrays(state, "wall_face"), site, place, most * size)
         place = np.where(ashore[:, None], site, place)
-    # Centres never coincide: a contact between them would have no direction.
-    guests = np.stack([state[name].values[laid.guests] for name in ("x", "y")], axis=1)
-    if len(guests):
-        upon = cKDTree(guests).query(place)[0] < NUDGE * most * size
-        place[upon, 0] += NUDGE * (most * size)[upon]
     polygons = cut(cells.polygons[stays], size**2, middle)
     start, ring = rings_of(polygons)
     corners = np.diff(start)

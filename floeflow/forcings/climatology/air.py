@@ -8,7 +8,7 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from floeflow.core.constants import ZERO_CELSIUS
+from floeflow.core.constants import STEFAN_BOLTZMANN, ZERO_CELSIUS
 from floeflow.core.monthly import at_day, blend
 from floeflow.core.sun import sun_height
 from floeflow.forcings.climatology import tables
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 Stations = dict[tuple[float, float], tuple[float, ...]]
 
-SOLAR, STEFAN_BOLTZMANN = 1361.0, 5.67e-8
+SOLAR = 1361.0
 # Relative humidity over ice (Andreas et al. 2002: near saturation) and over open water.
 HUMID_ICE, HUMID_SEA = 0.95, 0.82
 # Over this distance (m) a station rules alone.

@@ -13,10 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from floeflow.core.constants import AIR_DENSITY, EARTH_RADIUS, ZERO_CELSIUS
+from floeflow.core.constants import (
+    AIR_DENSITY,
+    EARTH_RADIUS,
+    HEAT_AIR,
+    LATENT_VAPOUR,
+    STEFAN_BOLTZMANN,
+    ZERO_CELSIUS,
+)
 from floeflow.core.monthly import MIDDLES, east_north, unit
 from floeflow.forcings.climatology import tables
-from floeflow.forcings.climatology.air import STEFAN_BOLTZMANN, station_field
+from floeflow.forcings.climatology.air import station_field
 
 Array = NDArray[np.float64]
 
@@ -27,8 +34,8 @@ OPEN = 1.2
 # first (K), all of it from the second on: the edge of the winter's ice lies between (about 0 degC
 # at the surface), and ice that drifts over colder water is not melted by a sea that it covers.
 EDGE = (0.8, 2.0)
-# Bulk coefficients over sea (Large and Pond 1982, rounded), albedo, J/kg/K, J/kg.
-TRANSFER, ALBEDO, HEAT_AIR, VAPOUR = 1.2e-3, 0.06, 1005.0, 2.501e6
+# Bulk coefficient and albedo of the sea (Large and Pond 1982, rounded).
+TRANSFER, ALBEDO = 1.2e-3, 0.06
 LEAST_HEAT, MOST_HEAT = -150.0, 450.0  # W/m2
 WATER_HEAT = 4218.0 * 1026.0  # J/m3/K
 
@@ -62,7 +69,7 @@ def surface_gain(sea: Array, air: Weather) -> Array:
     vapour = 610.78 * np.exp(17.2693882 * (sea - 273.16) / (sea - 35.86))
     saturated = 0.98 * 0.622 * vapour / (air.pressure - 0.378 * vapour)
     exchange = AIR_DENSITY * TRANSFER * air.wind
-    turbulent = HEAT_AIR * (air.temperature - sea) + VAPOUR * (air.humidity - saturated)
+    turbulent = HEAT_AIR * (air.temperature - sea) + LATENT_VAPOUR * (air.humidity - saturated)
     net = (1.0 - ALBEDO) * air.shortwave + air.longwave - STEFAN_BOLTZMANN * sea**4
     return np.asarray(net + exchange * turbulent)
 
@@ -122,7 +129,7 @@ class Whirl:
 STREAMS_NORTH = (
     Stream(((160, 77), (165, 84), (0, 89.5), (-10, 85), (-5, 81)), 0.03, 2.5e5),  # Transpolar Drift
     Stream(((-5, 81), (-8, 78), (-12, 75), (-19, 71.5), (-24, 69.5), (-30, 67), (-37, 65),
-            (-41, 62), (-43, 59.5)), 0.10, 1.1e5),  # East Greenland Current
+            (-41, 62), (-43, 59.5)), 0.07, 1.1e5),  # East Greenland Current
     Stream(((-4, 61), (3, 64), (8, 67), (13, 70), (15, 73), (10, 77), (9, 79), (14, 80.7)), 0.12,
            1.2e5),  # Norwegian Atlantic and West Spitsbergen Currents
     Stream(((15, 71.5), (25, 72.5), (35, 72.5), (45, 73.5), (52, 75.5)), 0.06, 1.3e5),  # North Cape

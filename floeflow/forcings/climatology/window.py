@@ -9,11 +9,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from floeflow.core.constants import EARTH_ROTATION
 from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
 from floeflow.core.times import window_span
 from floeflow.core.vectors import east_north_to_map, north_angle
 from floeflow.forcings.climatology.fields import fields
+from floeflow.forcings.fixed_fields import FIXED
 from floeflow.scene.blocks import Scene
 from floeflow.scene.effects import forcing_variables
 
@@ -75,10 +75,8 @@ def window_forcing(scene: Scene, window: int, units: dict[str, str]) -> xr.Datas
     data: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {}
     for name in needed:
         unit = {"units": units[name.removesuffix("_u").removesuffix("_v")]}
-        if name == "coriolis":
-            _, lat = to_lonlat(scene_crs(scene.domain), *grid.mesh())
-            turning = 2.0 * EARTH_ROTATION * np.sin(np.radians(lat))
-            data[name] = (("y", "x"), turning.reshape(grid.shape), unit)
+        if name in FIXED:
+            data[name] = (("y", "x"), FIXED[name][0](scene).reshape(grid.shape), unit)
         else:
             values = found[name].reshape(len(time), *grid.shape)
             data[name] = (("time", "y", "x"), np.ascontiguousarray(values), unit)

@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 from floeflow.report.figures.style import BLUE, FAINT, GREEN, VERMILION, look, new_figure
 
 SIZE = (6.0, 2.9)
+# Lines of more points bear no markers.
+MARKED = 60
 AREA_UNITS = ((1e12, "10⁶ km²"), (1e9, "10³ km²"), (1e6, "km²"), (1.0, "m²"))
 VOLUME_UNITS = ((1e12, "10³ km³"), (1e9, "km³"), (1e6, "10⁶ m³"), (1.0, "m³"))
 ENERGY_UNITS = (
@@ -151,7 +153,9 @@ def _figure(x_label: str, y_label: str, lines: list[Line]) -> Figure:
         figure = new_figure(*SIZE)
         axes = figure.add_subplot()
         for x, y, label, colour, dash in lines:
-            axes.plot(x, y, dash, color=colour, label=label, markersize=3.5)
+            # Markers of many points run into one thick line.
+            plain = dash.rstrip("os") if len(x) > MARKED else dash
+            axes.plot(x, y, plain, color=colour, label=label, markersize=3.5)
         axes.set_xlabel(x_label)
         axes.set_ylabel(y_label)
         _tidy(axes, [np.asarray(line[1], dtype=float) for line in lines])

@@ -16,9 +16,9 @@ import numpy as np
 from mpi4py import MPI
 
 from floeflow.dynamics.engine.energy_check import (
-    EXTERNAL,
     check_energy,
     external_work,
+    is_external,
     lost_energy,
     stored_energy,
 )
@@ -61,7 +61,9 @@ def budget_residual(first: dict[str, float], last: dict[str, float]) -> float:
     """Energy that no term accounts for, as a share of all that was there or moved."""
     before, after = stored_energy(first), stored_energy(last)
     gain = after - before - (external_work(last) - lost_energy(last))
-    moved = sum(abs(last.get(name, 0.0)) for name in EXTERNAL) + abs(lost_energy(last))
+    moved = sum(abs(value) for name, value in last.items() if is_external(name)) + abs(
+        lost_energy(last)
+    )
     scale = max(before, after, moved)
     return abs(gain) / scale if scale > 0 else 0.0
 

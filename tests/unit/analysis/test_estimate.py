@@ -3,16 +3,20 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
+import re
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from typer.testing import CliRunner
 
+from floeflow.analysis.estimate import drift, ice
 from floeflow.analysis.estimate.choose import OUTPUT, SETTING, estimate, recommended
 from floeflow.analysis.estimate.conditions import Conditions, conditions
 from floeflow.analysis.estimate.cost import coefficients, critical_step, sizes, stage_seconds
@@ -253,3 +257,10 @@ def test_the_command_prints_the_table():
     command = [sys.executable, "-m", "floeflow.cli", "effects", "none.yaml"]
     missing = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert missing.returncode == 1 and "none.yaml" in missing.stderr
+
+
+@pytest.mark.parametrize("module", [drift, ice])
+def test_runs_know_the_effects_that_they_ask_for(module: ModuleType):
+    """Others are taken away before a run is looked up among those that were made."""
+    asked = re.findall(r'"(\w+)" (?:not )?in effects', inspect.getsource(module))
+    assert module.ACTING == set(asked)

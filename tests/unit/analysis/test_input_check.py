@@ -13,9 +13,11 @@ import yaml
 from PIL import Image
 from typer.testing import CliRunner
 
+from floeflow.analysis.input_check import find_inputs, say
 from floeflow.cli import app
 from floeflow.core.errors import FloeError
 from floeflow.scene import load_scene
+from floeflow.scene.load import build_scene
 from floeflow.workflow import input_guard
 
 UNITS = "hours since 1981-12-31"
@@ -72,6 +74,21 @@ def test_all_that_was_found_is_told(scene_file: Path, tmp_path: Path) -> None:
         assert line in said.splitlines()
     pixels = np.asarray(Image.open(picture).convert("L"))
     assert pixels.std() > 10
+
+
+def test_a_uniform_mask_and_the_sea_are_told(scene_file: Path, tmp_path: Path) -> None:
+    """No mask file is read where the mask is uniform; the mixed layer's start is found too."""
+    sea = {"sst": (-1.5, {"units": "degC", "standard_name": "sea_surface_temperature"})}
+    lonlat(sea, np.array([6.0])).to_netcdf(tmp_path / "sea.nc")
+    keys = yaml.safe_load(scene_file.read_text())
+    keys["mask"] = {"file": "nowhere.nc", "land": "none", "uniform": 0.9}
+    keys["effects"] += ["thermodynamics", "mixed_layer"]
+    keys["forcing"]["fallback"]["weather"] = "weather"
+    keys["sea"] = {"file": str(tmp_path / "sea.nc")}
+    said = say(find_inputs(build_scene(keys | {"name": "u"})))
+    assert "mask: concentration 0.9 on all water, no file" in said
+    assert f"sea surface temperature: 'sst' of {tmp_path / 'sea.nc'}" in said
+    assert "has none; column.ocean_salinity stands in" in said
 
 
 def test_what_is_wrong_is_one_sentence(scene_file: Path, tmp_path: Path) -> None:

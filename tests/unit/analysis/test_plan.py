@@ -277,7 +277,7 @@ def test_the_command_proposes_and_refuses(
     monkeypatch.setattr("logging.disable", lambda _: None)
     assert plan(str(SMOKE), "--budget", "1h", "--ranks", "2") == 0
     said = capsys.readouterr().out
-    assert "on 2 ranks, as it stands: about" in said and "Error by knob" in said
+    assert "on 2 ranks, as it stands: about" in said and "Error by setting" in said
     assert plan(str(SMOKE), "--error", "1e-9") == 0
     assert "No setting reaches an error of 1e-09" in capsys.readouterr().out
     assert plan(str(SMOKE), "--budget", "soon") == 1

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -127,6 +128,46 @@ def test_the_nearest_point_of_a_grid_is_taken(forcing: Path, tmp_path: Path):
         forcing_of(nowhere, settings_of(nowhere))
 
 
+def test_a_column_reads_as_scenes_do(tmp_path: Path):
+    """Days' means by their bounds, the level at the surface, a curvilinear grid, parts in files."""
+    hourly = era5().drop_vars(["u10", "t2m"])
+    hourly.to_netcdf(tmp_path / "surface.nc")
+    days = np.arange(1.0, 8.0)
+    lat, lon = np.meshgrid([70.0, 75.0, 80.0], [0.0, 20.0, 40.0], indexing="ij")
+    level = np.array([100.0, 500.0, 1000.0])
+    dims = ("time", "level", "j", "i")
+    # Warmer by a degree a day, much colder aloft, 3 degrees warmer at the place that is asked for.
+    warmth = 240.0 + days[:, None, None, None] + 0.05 * (level - 1000.0)[:, None, None]
+    warmth = warmth + np.where((lat == 75.0) & (lon == 20.0), 3.0, 0.0)
+    met = xr.Dataset(
+        {
+            "ta": (dims, warmth, {"standard_name": "air_temperature", "units": "K"}),
+            "ua": (dims, 0 * warmth + 3.0, {"standard_name": "eastward_wind", "units": "m s-1"}),
+            "va": (dims, 0 * warmth, {"standard_name": "northward_wind", "units": "m s-1"}),
+            "time_bnds": (("time", "bnds"), np.stack([days - 1.0, days], axis=1)),
+            "lat2": (("j", "i"), lat, {"units": "degrees_north"}),
+            "lon2": (("j", "i"), lon, {"units": "degrees_east"}),
+        },
+        {
+            "time": ("time", days, {"units": "days since 2020-01-01", "bounds": "time_bnds"}),
+            "level": ("level", level, {"units": "hPa"}),
+        },
+    )
+    met.to_netcdf(tmp_path / "met.nc")
+    files = [str(tmp_path / "m*.nc"), str(tmp_path / "surface.nc")]
+    given = arguments().parse_args([*files, "--lon", "19", "--lat", "76"])
+    forcing = forcing_of(given, settings_of(given))
+    # The mean of the third day stands at its noon.
+    values = forcing(2.5 * 86400.0)
+    assert values["air_temperature"][0] == pytest.approx(246.0, abs=1e-9)
+    assert values["wind_u"][0] == pytest.approx(3.0)
+    said = "\n".join(forcing.said)
+    assert "level = 1000 hPa" in said and "means over time" in said and "dew_point: d2m" in said
+    off = arguments().parse_args([*files, "--lon", "19", "--lat", "-70"])
+    with pytest.raises(FloeError, match="--lat -70 lies off its map; the nearest point is 70.00 N"):
+        forcing_of(off, settings_of(off))
+
+
 def spoil(name: str, value: float) -> Callable[[xr.Dataset], None]:
     def change(data: xr.Dataset) -> None:
         data[name].values[30] = value
@@ -176,12 +217,37 @@ def test_bad_forcing_is_one_sentence(tmp_path: Path, change, sentence: str):
         (["--layers", "1"], "--layers must be 2 or more"),
         (["--lon", "3"], "--lon and --lat come together"),
         (["--ponds", "--scheme", "zero_layer"], "--ponds needs --scheme bl99 or mushy"),
+        (["--scheme", "mushy", "--salinity", "0"], "--salinity must be 0.5 or more with --sch"),
         (["--mixed-layer-depth", "nan"], "--mixed-layer-depth must be above zero"),
     ],
 )
 def test_bad_numbers_are_one_sentence(more: list[str], sentence: str):
     with pytest.raises(FloeError, match=sentence):
         check(asked(Path("none.nc"), *more))
+
+
+def test_a_run_begins_within_its_forcing(forcing: Path):
+    given = asked(forcing)
+    later = asked(forcing, "--start", "2020-01-03T06:00")
+    whole, part = (forcing_of(each, settings_of(each)) for each in (given, later))
+    assert part.first == datetime(2020, 1, 3, 6) and part.length == whole.length
+    assert part(3600.0) == whole(2.25 * 86400.0 + 3600.0)
+    outside = asked(forcing, "--start", "2019-12-31")
+    with pytest.raises(FloeError, match="--start 2019-12-31 00:00:00: the forcing goes from 2020"):
+        forcing_of(outside, settings_of(outside))
+
+
+def test_constants_are_those_of_a_scene(forcing: Path):
+    given = asked(forcing, "--physics", "emissivity=0.95", "conductivity=maykut_untersteiner")
+    physics = settings_of(given).physics
+    assert (physics.emissivity, physics.conductivity) == (0.95, "maykut_untersteiner")
+    for words, sentence in (
+        ("emissivity=2", "physics.emissivity"),
+        ("emisivity=0.9", "physics.emisivity"),
+        ("emissivity", "--physics emissivity: give a key and its value"),
+    ):
+        with pytest.raises(FloeError, match=sentence):
+            settings_of(asked(forcing, "--physics", words))
 
 
 def test_light_of_many_directions_asks_for_the_place(forcing: Path):
@@ -209,7 +275,7 @@ def test_the_tutorial_makes_its_forcing_and_runs(shared: Path, tmp_path: Path, m
     assert block is not None
     table = shared / "data/era5_arctic_point_hourly_2012.txt"
     if not table.is_file():
-        pytest.skip(f"no {table}")
+        pytest.skip(f"no reference data at {table}")
     (tmp_path / table.name).symlink_to(table)
     monkeypatch.chdir(tmp_path)
     exec(compile(block[1], "tutorial", "exec"), {})

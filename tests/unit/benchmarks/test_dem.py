@@ -17,7 +17,8 @@ from floeflow.core.mpi import mpi_environment
 @pytest.fixture(scope="module")
 def records(project: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     out = tmp_path_factory.mktemp("bench") / "dem.json"
-    command = [sys.executable, str(project / "benchmarks" / "dem.py"), "--quick", "--out", str(out)]
+    script = project / "benchmarks" / "dem.py"
+    command = [sys.executable, str(script), "--quick", "--out", str(out), "--against", str(project)]
     done = subprocess.run(
         command, env=mpi_environment(), capture_output=True, text=True, check=False
     )
@@ -39,8 +40,16 @@ def test_every_case_is_there_with_its_peer_and_its_figures(records: dict[str, An
         "exact_losses_bonded": "bonded",
         "ridging": "unbonded_friction",
         "ridging_bonded": "bonded",
+        "driven_centre": "unbonded_friction",
+        "driven_cell": "driven_centre",
         "unbonded_friction_10x": "unbonded_friction",
         "bonded_10x": "bonded",
+        "unbonded_friction_huge": "",
+        "bonded_huge": "",
+        "unbonded_friction_beside": "other version",
+        "bonded_beside": "other version",
+        "unbonded_friction_10x_beside": "other version",
+        "bonded_10x_beside": "other version",
         "unbonded_friction_2_ranks": "unbonded_friction",
         "bonded_2_ranks": "bonded",
     }
@@ -60,6 +69,18 @@ def test_the_lattice_is_full_of_pairs(records: dict[str, Any]) -> None:
     for name in ("bonded", "bonded_2_ranks"):
         assert records[name]["pairs"] == 15 * 19 + 14 * 39
     assert 2 * 300 < records["unbonded_friction"]["pairs"] <= 15 * 19 + 14 * 39
+
+
+@pytest.mark.mpi
+def test_what_memory_allows_is_told_of_large_rafts(records: dict[str, Any]) -> None:
+    for name, pair in (("unbonded_friction_huge", 72), ("bonded_huge", 104)):
+        record = records[name]
+        n, pairs = record["n"], record["pairs"]
+        # Three pairs an element but at the rim; an element's own numbers are the same.
+        assert record["bytes_per_step"] - pair * pairs == 444 * n
+        assert 0.0 < record["share_of_bandwidth"]
+        assert record["stream_bytes_per_s"] > 1e8
+        assert min(record[f"{what}_s"] for what in ("set_up", "read_out")) > 0.0
 
 
 @pytest.mark.mpi

@@ -21,6 +21,7 @@ from floeflow.column.state import (
 from floeflow.column.thermodynamics import zero_layer
 from floeflow.column.thermodynamics.surface import balance, saturation, surface_fluxes
 from floeflow.column.window import advance_window
+from floeflow.core.constants import STEFAN_BOLTZMANN
 from floeflow.core.errors import FloeError
 
 PARAMS = ColumnParams()
@@ -150,13 +151,19 @@ def test_saturation_over_water_and_ice():
 
 def stefan_error(steps):
     """Relative error against h^2 = h0^2 + 2 k (Tf - Ts) t / (rho L) after 30 days."""
-    # Wind without end ties the surface to the air: a fixed surface temperature.
-    params = replace(PARAMS, ocean_salinity=0.0, transfer_vapour=0.0)
-    forcing = weather(air_temperature=253.15, wind_speed=1e9, ocean_heat_flux=0.0)
+    # Wind without end ties the surface to the air: a fixed surface temperature, no sublimation.
+    params = replace(PARAMS, ocean_salinity=0.0)
+    humidity, _ = saturation(np.array([253.15]), np.array([1.01e5]), True)
+    forcing = weather(
+        air_temperature=253.15,
+        specific_humidity=humidity[0],
+        wind_speed=1e9,
+        ocean_heat_flux=0.0,
+    )
     end, h0 = 30 * 86400.0, 0.2
     after, _, _ = advance_window(columns(h0), lambda t: forcing, 0.0, end, end / steps, params)
     assert abs(after.surface_temperature[0, 0] - 253.15) < 1e-6
-    growth = 2 * params.ice_conductivity * 20.0 * end / params.ice_energy
+    growth = 2 * params.keys.ice_conductivity * 20.0 * end / params.ice_energy
     return abs(after.ice_volume[0, 0] / np.sqrt(h0**2 + growth) - 1)
 
 
@@ -169,10 +176,10 @@ def test_stefan_growth_converges_at_first_order():
 def test_equilibrium_thickness():
     """Conduction through ice and snow equals the ocean's heat: k and snow enter as they should."""
     forcing = weather(wind_speed=0.0, longwave_down=170.0, ocean_heat_flux=10.0)
-    emitted = PARAMS.emissivity * 5.670374e-8
-    surface = ((PARAMS.emissivity * 170.0 + 10.0) / emitted) ** 0.25
+    emitted = PARAMS.keys.emissivity * STEFAN_BOLTZMANN
+    surface = ((PARAMS.keys.emissivity * 170.0 + 10.0) / emitted) ** 0.25
     resistance = (PARAMS.freezing_temperature - surface) / 10.0
-    h = (resistance - 0.1 / PARAMS.snow_conductivity) * PARAMS.ice_conductivity
+    h = (resistance - 0.1 / PARAMS.keys.snow_conductivity) * PARAMS.keys.ice_conductivity
     state = columns(h, 0.1)
     after, fluxes = step(state, forcing, 3600.0, PARAMS)
     assert abs(after.ice_volume[0, 0] - h) < 1e-12

@@ -38,6 +38,15 @@ def test_the_surface_is_found(
     assert f"{axis} = {right:g}" in found.said
 
 
+@pytest.mark.parametrize(("wanted", "right"), [(10.0, 10.0), (2.0, 2.0)])
+def test_of_heights_in_one_file_the_one_that_is_wanted_counts(wanted: float, right: float) -> None:
+    """Winds belong to 10 m, temperatures to 2 m: neither to the lowest of 0, 2, 10 and 100 m."""
+    for factor, units in ((1.0, "m"), (1e-3, "km")):
+        values = factor * np.array([0.0, 2.0, 10.0, 100.0])
+        found = surface("height", {"units": units}, values, False, "f.nc", wanted)
+        assert values[found.index] == factor * right
+
+
 def test_the_height_above_the_ground_is_told() -> None:
     found = surface("level", {"units": "hPa"}, np.array(PRESSURE), False, "f.nc")
     assert found.said.endswith("about 111 m above the ground")

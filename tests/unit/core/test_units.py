@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import pytest
 
-from floeflow.core.units import conversion
+from floeflow.core.units import COMMON, _by_pint, conversion
 
 
-@pytest.mark.parametrize("text", ["1", "", "(0 - 1)", "unitless", "none", "0-1", "Fraction"])
+@pytest.mark.parametrize(
+    "text", ["1", "", "(0 - 1)", "unitless", "none", "0-1", "Fraction", "fractional", "[-]"]
+)
 def test_shares(text: str) -> None:
     assert conversion(text, "1") == (1.0, 0.0)
 
@@ -24,6 +26,8 @@ def test_shares(text: str) -> None:
         ("Celsius", "K", 1.0, 273.15),
         ("Pascals", "Pa", 1.0, 0.0),
         ("hPa", "Pa", 100.0, 0.0),
+        ("HPa", "Pa", 100.0, 0.0),
+        ("percent (%)", "1", 0.01, 0.0),
         ("millibars", "Pa", 100.0, 0.0),
         ("100 km", "m", 1e5, 0.0),
         ("m s**-1", "m s-1", 1.0, 0.0),
@@ -57,3 +61,8 @@ def test_spellings(text: str, si: str, factor: float, offset: float) -> None:
 )
 def test_what_is_no_such_unit(text: str, si: str) -> None:
     assert conversion(text, si) is None
+
+
+def test_what_is_told_without_pint_is_what_pint_says():
+    for (text, si), found in COMMON.items():
+        assert conversion(text, si) == found == _by_pint(text, si)

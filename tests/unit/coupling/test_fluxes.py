@@ -12,12 +12,16 @@ import pytest
 import xarray as xr
 import yaml
 
+from floeflow.core import cf_reading as cf
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_grid
-from floeflow.coupling.fluxes import FIELDS, spread
+from floeflow.coupling.fluxes import FIELDS, join_fluxes, spread, window_fluxes
 from floeflow.coupling.model import IceModel
-from floeflow.scene.blocks import Domain
+from floeflow.scene.blocks import Domain, Scene
+from floeflow.state import read_dataset, write_dataset
+from floeflow.state.schema import MOBILE
 
+SQUARE = {"x_min": -4e5, "x_max": 4e5, "y_min": -4e5, "y_max": 4e5, "spacing": 1e5}
 EFFECTS = ["wind", "ocean_drag", "coriolis", "tilt", "friction", "thermodynamics", "snow",
            "shortwave", "lateral_melt", "frazil"]  # fmt: skip
 
@@ -41,6 +45,40 @@ def test_spreading_keeps_the_totals_and_their_places() -> None:
     assert 1.3 < outside[0] < 1.7
 
 
+def test_the_file_of_two_windows_says_what_and_where_it_is(tmp_path: Path) -> None:
+    """CF: projection, true places, units of what is beyond; each mean over its window."""
+    keys = {"name": "f", "effects": ["wind", "ocean_drag"], "exchange": {"fluxes": True}}
+    scene = Scene.model_validate(keys | {"domain": {**SQUARE, "crs": "EPSG:6931"}})
+    columns = {"x": [0.0, 4e5], "y": [0.0, 0.0], "area": [4e9, 4e9], "type": [MOBILE, MOBILE]}
+    state = xr.Dataset({name: ("element", values) for name, values in columns.items()})
+    sums = {"wind_impulse_x": np.array([1e12, 2e12]), "water_ocean": np.array([-1e9, 0.0])}
+    parts = []
+    for window in (0, 1):
+        made = window_fluxes(scene, state, sums, (window * 3600.0, (window + 1) * 3600.0))
+        write_dataset(made.assign_attrs(window=window + 1), tmp_path / f"{window}.nc")
+        parts.append(read_dataset(tmp_path / f"{window}.nc"))
+    write_dataset(join_fluxes(parts), tmp_path / "both.nc")
+    data = read_dataset(tmp_path / "both.nc")
+    assert "window" not in data.attrs and data["cell_area"].dims == ("y", "x")
+    np.testing.assert_array_equal(data["time_bounds"], [[0.0, 3600.0], [3600.0, 7200.0]])
+    total = (data["tau_x_air"] * data["cell_area"]).sum(("y", "x")) * 3600.0
+    total = total + data["tau_x_air_outside"]
+    np.testing.assert_allclose(total, 3e12, rtol=1e-12)
+    assert (data["tau_x_air_outside"] > 5e11).all()
+    assert data["tau_x_air_outside"].attrs["units"] == "N s"
+    assert data["water_ocean_outside"].attrs["units"] == "kg"
+    # FloeFlow's own reader takes the projection and the places for what they are.
+    variables = cf.variables_of(data)
+    layout = cf.layout(variables, variables["water_ocean"], "both.nc")
+    assert cf.projection(variables, variables["water_ocean"], "both.nc").equals("EPSG:6931")
+    assert layout.time == "time" and (layout.x, layout.y) == ("x", "y")
+    middle = np.unravel_index(int(data["water_ocean"][0].values.argmax()), (8, 8))
+    assert data["lat"].values[middle] > 89.0
+    with xr.open_dataset(tmp_path / "both.nc") as decoded:
+        assert {"lat", "lon"} <= set(decoded["water_ocean"].coords)
+        assert decoded["time"].values[0] == np.datetime64("1981-12-31T00:30")
+
+
 @pytest.fixture(scope="module")
 def scene_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Thirty elements of ice in a small sea, driven by wind and weather for two windows."""
@@ -58,7 +96,7 @@ def scene_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     scene = {
         "name": "component",
         "effects": EFFECTS,
-        "domain": {"x_min": -4e5, "x_max": 4e5, "y_min": -4e5, "y_max": 4e5, "spacing": 1e5},
+        "domain": SQUARE,
         "mask": {"file": str(folder / "ice.nc"), "land": "none"},
         "packing": {"elements": 30, "relaxations": 3},
         "forcing": {"step": 3600.0, "cyclone": {"x": 0.0, "y": 0.0, "radius": 3e5}},

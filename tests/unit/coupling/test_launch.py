@@ -75,6 +75,21 @@ def test_ranks_that_say_nothing_are_quoted_from_their_log(job: Job, tmp_path: Pa
     assert "ended with code 7: noise (see " in window._last_words(job, log, 7)
 
 
+def test_the_box_of_mpi_is_a_sentence(job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    log, line = tmp_path / "ranks.log", "-" * 74
+    monkeypatch.setenv("OMPI_MCA_btl", "nonsense")
+    log.write_text(
+        f"{line}\nPrimary job  terminated normally, but 1 process returned\na non-zero exit code.\n"
+        f"{line}\n{line}\nmpirun noticed that process rank 1 with PID 7 on node a exited on\n"
+        f"signal 9 (Killed).\n{line}\n[a:7] more help\n"
+    )
+    assert window._last_words(job, log, 137) == (
+        "the ranks ended with code 137, and MPI says: mpirun noticed that process rank 1 with PID "
+        "7 on node a exited on signal 9 (Killed); set in the environment: OMPI_MCA_btl=nonsense "
+        f"(see {log})"
+    )
+
+
 def test_a_launcher_that_is_not_there_is_named(job: Job, tmp_path: Path):
     with pytest.raises(FloeError, match="no-srun cannot be started: No such file"):
         window.run_ranks(job, 2, tmp_path / "ranks.log", ("no-srun", "--mpi=pmix"))

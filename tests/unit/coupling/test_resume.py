@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 from floeflow.core.errors import FloeError
+from floeflow.core.file_hash import file_hash
 from floeflow.coupling import resume
 from floeflow.coupling.chunk import Chunk, publish
 from floeflow.scene import Scene, parse_scene
@@ -158,4 +159,4 @@ def test_a_window_that_is_missing_is_not_published(folder: Path):
 
 def test_a_missing_plugin_is_named(tmp_path: Path):
     with pytest.raises(FloeError, match=r"libfloe\.so: cannot be read: No such file"):
-        resume.file_hash(tmp_path / "libfloe.so")
+        file_hash(tmp_path / "libfloe.so")

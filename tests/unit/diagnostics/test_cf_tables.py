@@ -44,6 +44,21 @@ SIMON = {
     "sispeed": ("sea_ice_speed", "m s-1", ICE),
     "sidivvel": ("divergence_of_sea_ice_velocity", "s-1", ICE),
     "sishevel": (SHEAR, "s-1", ICE),
+    "sistrxdtop": ("surface_downward_x_stress", "N m-2", ICE),
+    "sistrydtop": ("surface_downward_y_stress", "N m-2", ICE),
+    "sistrxubot": ("upward_x_stress_at_sea_ice_base", "N m-2", ICE),
+    "sistryubot": ("upward_y_stress_at_sea_ice_base", "N m-2", ICE),
+    "siforcecoriolx": ("sea_ice_x_force_per_unit_area_due_to_coriolis_effect", "N m-2", ICE),
+    "siforcecorioly": ("sea_ice_y_force_per_unit_area_due_to_coriolis_effect", "N m-2", ICE),
+    "siforcetiltx": ("sea_ice_x_force_per_unit_area_due_to_sea_surface_tilt", "N m-2", ICE),
+    "siforcetilty": ("sea_ice_y_force_per_unit_area_due_to_sea_surface_tilt", "N m-2", ICE),
+}  # fmt: skip
+# Wind along x, current along y.
+FORCING = {
+    name: np.full((8, 8), value)
+    for name, value in (
+        ("wind_u", 10.0), ("wind_v", 0.0), ("ocean_u", 0.0), ("ocean_v", 0.2), ("coriolis", 1.4e-4),
+    )
 }  # fmt: skip
 # Ours alone: CMIP6 has no name for it.
 OWN = {"lead_fraction", "damage"}
@@ -72,13 +87,14 @@ def rich_state() -> xr.Dataset:
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("tables")
-    scene = scene_of(folder, ALL)
+    scene = scene_of(folder, f"{ALL}, tilt, turning_angle")
     parts = []
     for window in (1, 2):
         state = rich_state()
         state.attrs |= {"window": window, "time": 86400.0 * window}
         parts.append(folder / f"{window}.nc")
-        write_grid(join_times([make_grid(scene, state, make_mask(2))]), parts[-1])
+        made = make_grid(scene, state, make_mask(2), FORCING)
+        write_grid(join_times([made]), parts[-1])
     join_files(parts, folder / "grid.nc")
     return folder / "grid.nc"
 

@@ -251,9 +251,12 @@ def test_the_rule_joins_all_chunks(copy: Run):
             series=list(map(str, files.series)),
             cost=list(map(str, files.cost)),
             grid=str(files.grid),
+            last=str(copy.state(3)),
         ),
         output=SimpleNamespace(
-            dataset=str(folder / "diagnostics.nc"), headline=str(folder / "diagnostics.json")
+            dataset=str(folder / "diagnostics.nc"),
+            headline=str(folder / "diagnostics.json"),
+            analyses=str(folder / "analyses.nc"),
         ),
     )
     load_script("postprocess/diagnostics").main(given)

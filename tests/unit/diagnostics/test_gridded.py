@@ -18,7 +18,7 @@ from floeflow.diagnostics.cf_output import join_files, join_times, write_grid
 from floeflow.diagnostics.gridded import gridded_fields, hat_reach, make_grid, sea_room
 from floeflow.diagnostics.ice_fields import strain_rates
 from floeflow.scene import load_scene
-from floeflow.state import write_dataset, write_state
+from floeflow.state import SCHEMA_VERSION, write_dataset, write_state
 from floeflow.state.snapshots import write_snapshots
 from floeflow.transfer import Grid
 from support.scripts import load_script
@@ -98,7 +98,7 @@ def make_state(right=4.0e5, left=X0, per_cell=2, snow=True, thickness=None):
     for name in ("slip", "rest_overlap"):
         data[f"contact_{name}"] = ("contact", np.zeros(0))
     data.attrs = {
-        "schema_version": 1,
+        "schema_version": SCHEMA_VERSION,
         "scene": "pack",
         "effects": " ".join((ALL if snow else "wind").split(", ")),
         "window": 2,

@@ -86,6 +86,17 @@ def test_elements_that_drift_from_rank_to_rank_keep_all_that_they_have(tmp_path:
         np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-9 * scale)
 
 
+def test_a_pack_in_a_corner_of_its_box_is_cut_among_the_ranks(tmp_path: Path) -> None:
+    (one, _), (four, _) = (run(tmp_path / str(n), n, steps=200, kind="lopsided") for n in (1, 4))
+    assert 0 < one["sum.bonds"]
+    for name in ("bond.id_lo", "bond.id_hi", "element.id"):
+        np.testing.assert_array_equal(one[name], four[name])
+    for name in ("element.x", "element.y"):
+        np.testing.assert_allclose(four[name], one[name], rtol=0, atol=1e-9 * np.ptp(one[name]))
+    log = (tmp_path / "4/log.4").read_text()
+    assert "4 by 1 by 1 MPI processor grid" in log or "2 by 2 by 1 MPI processor grid" in log
+
+
 def test_walls_and_ridges_on_other_numbers_of_ranks(tmp_path: Path) -> None:
     """Moving walls that crack and ridge the raft, cut in the midst and continued elsewhere."""
     runs = {n: run(tmp_path / str(n), n, steps=200, kind="walls") for n in (1, 2, 4)}

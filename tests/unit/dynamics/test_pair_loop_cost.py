@@ -26,7 +26,7 @@ def inclusive_counts(counts: Path) -> dict[str, int]:
 LOOPS = {
     "push": r"PairFloe::loop_contacts<floe::ContactTerms<false, false, \(floe::Damping\)1, false",
     "rub": r"PairFloe::loop_contacts<floe::ContactTerms<true, false, \(floe::Damping\)0, false",
-    "stretch": r"evaluate_bonds<\(floe::Damping\)0, false>",
+    "stretch": r"evaluate_bonds<floe::GlueBond, \(floe::Damping\)0, false>",
 }
 
 

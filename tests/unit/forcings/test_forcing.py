@@ -367,3 +367,27 @@ def test_ocean_missing_for_a_time_is_refused(tmp_path: Path) -> None:
     domain = {"x_min": 0.5e6, "x_max": 2.5e6, "y_min": 0.5e6, "y_max": 2.0e6, "spacing": 1e5}
     with pytest.raises(FloeError, match="'uo' is missing or not finite at 1981-12-31 06:00:00"):
         forcing.make_forcing(scene_of(domain, effects=("ocean_drag",)), tmp_path / "o.nc", 1)
+
+
+def test_a_wind_of_gusts_keeps_its_velocity_or_its_stress(tmp_path: Path) -> None:
+    """20 m/s in one row and calm in the next, on rows much finer than the scene's cells."""
+    lat, lon = np.arange(70.0, 90.0, 0.1), np.arange(0.0, 360.0, 1.0)
+    gusts = np.broadcast_to(np.where(np.arange(lat.size) % 2, 20.0, 0.0)[:, None], (200, 360))
+    coords = {
+        "lat": ("lat", lat, {"units": "degrees_north"}),
+        "lon": ("lon", lon, {"units": "degrees_east"}),
+    }
+    parts = {"u10": ("eastward_wind", gusts), "v10": ("northward_wind", 0.0 * gusts)}
+    xr.Dataset(
+        {
+            name: (("lat", "lon"), values, {"standard_name": standard, "units": "m s-1"})
+            for name, (standard, values) in parts.items()
+        },
+        coords,
+    ).to_netcdf(tmp_path / "w.nc")
+    domain = AWAY | {"spacing": 2e5}
+    for wind_mean, right in (("velocity", 10.0), ("stress", np.sqrt(200.0))):
+        scene = scene_of(domain, forcing={"wind_mean": wind_mean})
+        made = forcing.make_forcing(scene, tmp_path / "w.nc", 1)
+        speed = np.hypot(made["wind_u"], made["wind_v"]).values
+        assert speed == pytest.approx(np.full(speed.shape, right), rel=0.06)

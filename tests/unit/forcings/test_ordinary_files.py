@@ -162,11 +162,97 @@ def test_times_that_are_not_told(tmp_path: Path) -> None:
             read(scene_of(other), other)
 
 
-def test_monthly_records_are_no_sums_since_midnight(tmp_path: Path) -> None:
+@pytest.mark.parametrize("accumulation", ["", "hour", "step", "day"])
+@pytest.mark.parametrize("bounds", [False, True])
+def test_monthly_sums_need_bounds(tmp_path: Path, accumulation: str, bounds: bool) -> None:
+    """ERA5's monthly sums are those of a day, others of the month: no key tells them apart."""
     hours = np.array([-30.0, 0.0, 31.0, 59.0]) * 24.0
-    path = write(tmp_path / "s.nc", WEATHER | {"strd": (1.7e7, {"units": "J m-2"})}, hours)
+    path = write(tmp_path / "s.nc", WEATHER | {"strd": (5e8, {"units": "J m-2"})}, hours)
     with xr.open_dataset(path, decode_times=False) as data:
-        data.drop_vars("LWGAB").load().to_netcdf(tmp_path / "sums.nc")
-    scene = scene_of(tmp_path / "sums.nc", effects=COLUMN, forcing={"accumulation": "day"})
-    with pytest.raises(FloeError, match="records further apart than a day"):
+        data = data.drop_vars("LWGAB").load()
+    if bounds:
+        data["time"].attrs["bounds"] = "bnds"
+        ends = np.stack([hours, np.append(hours[1:], 90.0 * 24.0)], axis=1)
+        data["bnds"] = (("time", "nv"), ends)
+    data.to_netcdf(tmp_path / "sums.nc")
+    keys = {"accumulation": accumulation}
+    scene = scene_of(tmp_path / "sums.nc", effects=COLUMN, forcing=keys)
+    if bounds:
+        made = read(scene, tmp_path / "sums.nc")
+        # 31 days of January after 30 of December, whose middles lie half a day apart from theirs.
+        rate = float(made["longwave_down"][0].mean())
+        assert 5e8 / (31 * 86400.0) < rate < 5e8 / (30 * 86400.0)
+        return
+    with pytest.raises(FloeError, match="'strd' .* records are further apart than a day: over wh"):
         read(scene, tmp_path / "sums.nc")
+
+
+def test_means_of_months_need_bounds_and_means_of_sums_are_refused(tmp_path: Path) -> None:
+    hours = np.array([-30.0, 0.0, 31.0, 59.0]) * 24.0
+    monthly = {"units": "W m-2", "GRIB_stepType": "avgua"}
+    fields = {**WEATHER, "avg_sdlwrf": (200.0, monthly)}
+    del fields["LWGAB"]
+    path = write(tmp_path / "m.nc", fields, hours)
+    with pytest.raises(FloeError, match="'avg_sdlwrf' is a mean over time whose records are furth"):
+        read(scene_of(path, effects=COLUMN), path)
+    fields = {**fields, "strd": (1.7e7, {"units": "J m-2", "GRIB_stepType": "avgad"})}
+    del fields["avg_sdlwrf"]
+    path = write(tmp_path / "s.nc", fields, hours)
+    with pytest.raises(
+        FloeError, match=r"'strd' is a mean of sums over time \(GRIB step type avga"
+    ):
+        read(scene_of(path, effects=COLUMN), path)
+
+
+def test_the_first_of_unequal_sums_reaches_back_unknown(tmp_path: Path) -> None:
+    """Sums of 6 h up to -12 h and of 3 h after it: that of the first record is not guessed."""
+    hours = np.array([-12.0, -9.0, -3.0, 0.0, 3.0, 6.0, 12.0, 18.0, 24.0])
+    values = 3600.0 * 200.0 * np.concatenate([[6.0], np.diff(hours)])
+    sums = {"units": "J m-2"}
+    fields = {**WEATHER, "strd": (values[:, None, None], sums)}
+    del fields["LWGAB"]
+    path = write(tmp_path / "s.nc", fields, hours)
+    made = read(scene_of(path, effects=COLUMN, forcing={"accumulation": "step"}), path)
+    np.testing.assert_allclose(made["longwave_down"], 200.0, rtol=1e-12)
+    rest = {name: item for name, item in fields.items() if name != "strd"}
+    parts = [
+        write(tmp_path / "rest.nc", rest),
+        write(tmp_path / "late.nc", {"strd": (values[4:, None, None], sums)}, hours[4:]),
+    ]
+    with pytest.raises(FloeError, match="the sums of 'strd' do not cover the scene"):
+        read(scene_of(*parts, effects=COLUMN, forcing={"accumulation": "step"}), *parts)
+
+
+@pytest.mark.parametrize(
+    ("attrs", "said"),
+    [
+        ({}, "no bounds: taken as of its stamps"),
+        ({"cell_methods": "time: mean"}, "no bounds: taken as of its stamps"),
+        ({"cell_methods": "time: point"}, ""),
+    ],
+)
+def test_what_is_taken_for_granted_of_daily_values_is_told(
+    tmp_path: Path, attrs: dict[str, str], said: str
+) -> None:
+    fields = {"u": (3.0, {**EAST, **attrs}), "v": (4.0, {**NORTH, **attrs})}
+    path = write(tmp_path / "d.nc", fields, (0, 24))
+    told = read(scene_of(path), path).attrs["sources"]
+    assert (said in told) if said else ("bounds" not in told)
+
+
+def test_what_keeps_a_variable_from_being_a_map_is_named(tmp_path: Path) -> None:
+    """Members of an ensemble; axes in metres of no known projection; a page in place of data."""
+    path = write(tmp_path / "f.nc", {"u": (3.0, EAST), "v": (4.0, NORTH)})
+    with xr.open_dataset(path, decode_times=False) as data:
+        members = data.load().expand_dims(number=[0, 1])
+    members.to_netcdf(tmp_path / "members.nc")
+    plain = members.isel(number=0).rename(lat="y", lon="x").drop_vars(["x", "y", "number"])
+    plain.to_netcdf(tmp_path / "plain.nc")
+    (tmp_path / "page.nc").write_bytes(b"\n<!DOCTYPE html><html>Earthdata Login</html>")
+    for name, sentence in (
+        ("members.nc", "'u' has 2 values along 'number', which is no time, level, longitude or la"),
+        ("plain.nc", "projected x and y: name their projection in mask.crs or forcing.crs"),
+        ("page.nc", "is a page of HTML or XML and no data: did its download need a login?"),
+    ):
+        with pytest.raises(FloeError, match=sentence.replace("?", r"\?")):
+            read(scene_of(tmp_path / name), tmp_path / name)

@@ -241,3 +241,29 @@ def test_a_monthly_mean_holds_through_its_month(tmp_path: Path) -> None:
     dated(tmp_path / "ice.nc", "1981-12-01", "month")
     made = mask.make_mask(scene_of(tmp_path / "ice.nc", days_off=0.0), None)
     assert "0.0 days from the start" in made.attrs["notes"]
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_units_of_per_cent_beside_small_values_are_told_or_refused(
+    tmp_path: Path, packed: bool
+) -> None:
+    """OISST says percent and means shares; a map of at most 0.4 may be either."""
+    data = lonlat()
+    data["siconc"].attrs["units"] = "percent"
+    for value, told in ((0.9, "no value is above 1: taken as shares"), (0.4, "")):
+        data["siconc"].values[:] = value
+        encoding = {"siconc": {"dtype": "i2", "scale_factor": 0.1, "_FillValue": -999}}
+        path = tmp_path / f"{value}.nc"
+        data.to_netcdf(path, encoding=encoding if packed else {})
+        if told:
+            made = mask.make_mask(scene_of(path), None)
+            assert told in made.attrs["notes"]
+            np.testing.assert_allclose(made["siconc"], value)
+        else:
+            with pytest.raises(
+                FloeError, match="no value above 0.4: say in mask.scale whether 1 is"
+            ):
+                mask.make_mask(scene_of(path), None)
+        for scale in (1.0, 0.01):
+            made = mask.make_mask(scene_of(path, scale=scale), None)
+            np.testing.assert_allclose(made["siconc"], scale * value)

@@ -43,9 +43,9 @@ def test_the_name_comes_from_the_file_where_none_is_given(tmp_path: Path):
     [
         (
             "dynamics: {yong_modulus: 1}",
-            "'dynamics.yong_modulus' is no key of a scene; did you mean 'young_modulus'?",
+            "unknown key 'dynamics.yong_modulus'; did you mean 'dynamics.young_modulus'?",
         ),
-        ("pakcing: {}", "'pakcing' is no key of a scene; did you mean 'packing'?"),
+        ("pakcing: {}", "unknown key 'pakcing'; did you mean 'packing'?"),
         ("seed: 1\nseed: 2", "key 'seed' is given twice (line 2)"),
         ("time: {windows: 1, windows: 2}", "key 'windows' is given twice (line 1)"),
         (
@@ -55,8 +55,8 @@ def test_the_name_comes_from_the_file_where_none_is_given(tmp_path: Path):
         ("dynamics: {young_modulus: .nan}", "dynamics.young_modulus: input should be a finite"),
         ("dynamics: {young_modulus: .inf}", "dynamics.young_modulus: input should be a finite"),
         ("dynamics: 3", "dynamics: input should be a valid dictionary"),
-        ("effects: [wnd]", "effects: 'wnd' is no effect; did you mean 'wind'?"),
-        ("effects: [wind, wind]", "effects: 'wind' is named twice"),
+        ("effects: [wnd]", "effects: unknown effect 'wnd'; did you mean 'wind'?"),
+        ("effects: [wind, wind]", "effects: 'wind' is listed twice"),
         ("name: ../up", "name: '../up' is no plain name"),
         ("name: a b", "name: 'a b' is no plain name"),
         ("name: $(touch x)", "name: '$(touch x)' is no plain name"),

@@ -65,6 +65,14 @@ def test_the_library_knows_no_workflow(project: Path):
         assert not up, (path.relative_to(project).as_posix(), up)
 
 
+def test_the_start_of_a_workflow_reads_no_library_of_readers():
+    """It stands before every run, dry or not, and imports what is large only where it needs it."""
+    code = "import sys, floeflow.workflow.scenes as _; print(*sys.modules)"
+    loaded = run([sys.executable, "-c", code], Path.cwd()).split()
+    assert "yaml" in loaded
+    assert not {"xarray", "pandas", "netCDF4", "scipy", "numba", "meshio", "matplotlib"} & {*loaded}
+
+
 @pytest.mark.parametrize("stray", [None, "    from floeflow.report import report"])
 def test_an_import_that_points_up_is_a_finding_of_lint(
     project: Path, tmp_path: Path, stray: str | None

@@ -8,6 +8,11 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from support.beside import taken
 
 ROOT = Path(__file__).parents[3]
 
@@ -67,6 +72,37 @@ def test_ci_runs_make_test_and_passes_its_exit_code_on(tmp_path: Path) -> None:
     assert (tmp_path / "called").read_text() == f"{ROOT}: make test\n"
 
 
+PYTEST = """#!/bin/sh
+echo "SKIPPED [3] tests/conftest.py:40: no reference data at /nowhere (FLOEFLOW_SHARED ...)"
+echo "SKIPPED [9] tests/unit/x.py:1: valgrind is not installed"
+case "$*" in *pytest-{failing}*) exit 1 ;; esac
+"""
+
+
+@pytest.mark.parametrize("failing", ["1", "2", "none"])
+def test_both_processes_of_the_tests_count(tmp_path: Path, failing: str) -> None:
+    """A failure in either is one of the whole, and what lacked reference data is told last."""
+    python = tmp_path / ".venv/bin/python"
+    python.parent.mkdir(parents=True)
+    python.write_text(PYTEST.format(failing=failing))
+    python.chmod(0o755)
+    (tmp_path / "setup").mkdir()
+    script = shutil.copy(ROOT / "setup/test.sh", tmp_path / "setup")
+    run = subprocess.run(["bash", script], capture_output=True, text=True)
+    assert run.returncode == (failing != "none")
+    last = run.stdout.splitlines()[-1]
+    assert last.startswith("FloeFlow: 6 tests were skipped because reference data are absent")
+
+
+def test_modules_are_shared_out_once(tmp_path: Path) -> None:
+    """Two processes that run tests side by side: none is left out, none runs twice."""
+    paths = [ROOT / f"tests/{name}/test_{name}.py" for name in "abc" for _ in range(2)]
+    items = [SimpleNamespace(path=path, number=number) for number, path in enumerate(paths)]
+    first, second = taken(tmp_path, items), taken(tmp_path, items)
+    ran = [next(first), next(second), next(first), *second, *first]
+    assert [item.number for item in ran] == [0, 2, 1, 3, 4, 5]
+
+
 def test_every_target_of_make_has_its_line_of_help() -> None:
     run = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
     phony = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
@@ -74,7 +110,7 @@ def test_every_target_of_make_has_its_line_of_help() -> None:
     assert [line.split()[1] for line in run.stdout.splitlines()] == phony[1].split()
 
 
-LOCKS = ("requirements.lock", "requirements-cluster.lock")
+LOCKS = ("requirements.lock", "requirements-cluster.lock", "requirements-docs.lock")
 
 
 def pinned() -> dict[str, str]:
@@ -97,6 +133,7 @@ def direct() -> list[str]:
         "requirements-formats.in",
         "requirements-dev.in",
         "requirements-cluster.in",
+        "requirements-docs.in",
     )
     lines = [line for file in files for line in (ROOT / "setup" / file).read_text().splitlines()]
     return [line.lower() for line in lines if line and not line.startswith("#")]
@@ -115,3 +152,10 @@ def test_every_dependency_has_its_reason_and_licence() -> None:
     text = (ROOT / "docs/dependencies.md").read_text()
     rows = re.findall(r"^\| `([^`]+)` \| ([^|]{10,}) \| ([^|]{3,}) \|$", text, re.MULTILINE)
     assert sorted(name.lower() for name, _, _ in rows if "apt:" not in name) == sorted(direct())
+
+
+def test_the_site_lists_every_page_and_no_other() -> None:
+    nav = (ROOT / "mkdocs.yml").read_text().partition("\nnav:\n")[2]
+    listed = re.findall(r"[\w/-]+\.md", nav)
+    pages = [str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")]
+    assert sorted(listed) == sorted([*pages, "config.md"])

@@ -122,7 +122,7 @@ UNTRUE = {
         ("order", "not sorted by id"),
         ("pair", "does not name its lower id first"),
         ("ghost", "names an element that does not exist"),
-        ("newer", f"schema version is {SCHEMA_VERSION + 1}, this FloeFlow reads version"),
+        ("newer", f"schema version is {SCHEMA_VERSION + 1}, this FloeFlow writes version"),
         ("attribute", "attribute 'seed' is missing"),
         ("effects", "attribute 'effects' names 'haze', which is no effect"),
         ("column_scheme", "'column_scheme' is 'onion', which is no column scheme"),

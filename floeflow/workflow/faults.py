@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a job could not do, told once and last: the job leaves a sentence, the workflow says it.
+
+Snakemake prints its own account of a failed job, many lines of it. A job therefore writes its
+sentence to ``results/<scene>/.fault``, and the main process prints it when it ends.
+"""
+
+from __future__ import annotations
+
+import atexit
+import json
+import sys
+from pathlib import Path
+
+from floeflow.core.atomic_write import write_text
+
+FAULT = ".fault"
+UNKNOWN = "a job ended without saying why (it may have been killed); its log lies in {}"
+
+
+def leave_fault(folder: Path, sentence: str, log: Path) -> bool:
+    """Leave what a job says for the main process; whether that could be written."""
+    try:
+        write_text(json.dumps({"sentence": sentence, "log": str(log)}) + "\n", folder / FAULT)
+    except Exception:  # a full disk, most of all: then the job must say it itself
+        return False
+    return True
+
+
+def take_faults(results: Path, since: float) -> list[str]:
+    """Sentences that jobs left since a time (s of the epoch), each with its log; they are removed.
+
+    Parameters
+    ----------
+    results : Path
+        The folder with a folder for each scene.
+    since : float
+        Older ones are of other runs.
+    """
+    found = []
+    for path in sorted(results.glob(f"*/{FAULT}")):
+        try:
+            recent = path.stat().st_mtime >= since
+            told = json.loads(path.read_text(encoding="utf-8"))
+            path.unlink()
+        except (OSError, ValueError):
+            continue
+        if recent:
+            found.append(f"{told['sentence']} (log: {told['log']})")
+    return list(dict.fromkeys(found))
+
+
+def say_last(sentences: list[str]) -> None:
+    """Print sentences when the program ends, after all that Snakemake says."""
+    for sentence in reversed(sentences):
+        atexit.register(print, f"floeflow: {sentence}", file=sys.stderr, flush=True)

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Figures of analyses: all that a long run supports, and nothing of a few points."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from floeflow.diagnostics.deformation import ORDERS
+from floeflow.diagnostics.thickness_distribution import EDGES
+from floeflow.report.figures.analyses import analysis_figures
+from floeflow.report.figures.style import as_svg
+from floeflow.report.summary import motion_facts
+
+DAY = 86400.0
+NAMES = {
+    *("ice_thickness_distribution", "ice_edge", "motion_deformation", "motion_wind"),
+    *("motion_scaling", "motion_rates", "motion_lags", "floe_sizes_end"),
+}
+
+
+def made(times: int, periods: tuple[str, ...], samples: int) -> xr.Dataset:
+    """What a run of so many windows leaves."""
+    rng = np.random.default_rng(0)
+    bins, n = EDGES.size - 1, times
+    time = np.arange(n) * DAY
+    lags = min(n, 8)
+    scale = np.array([35e3, 140e3, 280e3, 560e3]) * np.ones((n, 1))
+    moment = 1e-7 * (scale / 35e3)[..., None] ** -0.2 * np.ones(ORDERS.size)
+    wind, drift = np.arange(0.5, 30.0), np.arange(-0.29, 0.89, 0.02)
+    rates = np.logspace(-10, -3, 57)
+    fit = {"exponent": 0.2 * ORDERS, "error": 0.01 * ORDERS}
+    number = np.full((len(periods), 2), 0.012)
+    floes = np.sort(500.0 * rng.random(60) ** -0.7)
+    law = {"power_law_exponent": "2.4", "power_law_error": "0.2", "power_law_from": "500"}
+    law |= {"power_law_goodness": "0.4", "lognormal_mean": "6.5", "lognormal_spread": "0.9"}
+    law |= {"likelihood_ratio": "0.3", "units": "m", "long_name": "diameters"}
+    return xr.Dataset(
+        {
+            "thickness_time": ("boundary", time),
+            "thickness_area": (("boundary", "thickness"), rng.random((n, bins))),
+            "thickness_bounds": (("thickness", "bound"), np.stack([EDGES[:-1], EDGES[1:]], 1)),
+            "edge_time": ("grid", time),
+            **{name: ("grid", 1e12 + 1e9 * time) for name in ("extent", "marginal_area")},
+            "lead_fraction": ("grid", 0.01 + 0 * time),
+            "period": ("period", list(periods)),
+            **{f"wind_{name}": (("period", "ice"), number) for name in ("factor", "turning")},
+            "wind_explained": (("period", "ice"), number),
+            "wind_weight": (("period", "ice"), 1.0 + 0 * number),
+            "wind_drift_area": (("wind", "drift"), rng.random((wind.size, drift.size))),
+            "wind": ("wind", wind),
+            "drift": ("drift", drift),
+            "free_drift_along": ("wind", 0.015 * wind),
+            "interval_time": ("interval", time),
+            **{f"deformation_{k}": ("interval", 1e-7 + 0 * time) for k in ("total", "shear")},
+            "deformation_divergence": ("interval", 1e-7 + 0 * time),
+            "deformation_count": (("interval", "scale"), 100.0 + 0 * scale),
+            "deformation_scale": (("interval", "scale"), scale),
+            "deformation_moment": (("interval", "scale", "order"), moment),
+            "order": ("order", ORDERS),
+            "season": ("season", ["all"]),
+            **{f"scaling_{k}": (("season", "order"), v[None]) for k, v in fit.items()},
+            "scaling_low": ("season", [140e3]),
+            "scaling_high": ("season", [560e3]),
+            "rate_count": (
+                ("piece", "rate_kind", "rate"),
+                np.full((2, 3, 56), samples / 168.0),
+            ),
+            "rate_bounds": (("rate", "bound"), np.stack([rates[:-1], rates[1:]], 1)),
+            "lag": ("lag", np.arange(lags) * DAY),
+            "velocity_correlation_along": ("lag", 0.8 ** np.arange(lags)),
+            "velocity_correlation_across": ("lag", np.zeros(lags)),
+            "pair_dispersion": ("lag", 1e6 * np.arange(lags) ** 2.0),
+            "floe_diameter_end": ("floe_end", floes, law),
+        },
+        attrs={"deformation": "Take care."},
+    )
+
+
+@pytest.mark.parametrize("periods", [("all", "run"), ("all", "1982-01", "1982-02", "1982-03")])
+def test_a_long_run_has_all_figures(periods: tuple[str, ...]):
+    found = list(analysis_figures(made(40, periods, 5000), datetime(1982, 1, 1)))
+    assert {name for name, _, _ in found} == NAMES
+    captions = {name: text for name, text, _ in found}
+    assert "β(1): run 0.20 ± 0.01" in captions["motion_scaling"]
+    assert "Take care." in captions["motion_scaling"]
+    assert "1.20 %" in captions["motion_wind"] and "a = 2.40 ± 0.20" in captions["floe_sizes_end"]
+    assert all(text.endswith(".") and "nan" not in text for text in captions.values())
+    assert b"<svg" in as_svg(found[0][2])
+
+
+def test_a_few_points_are_no_figure():
+    data = made(3, ("all", "run"), 90).drop_vars(["scaling_exponent", "floe_diameter_end"])
+    found = [name for name, _, _ in analysis_figures(data, datetime(1982, 1, 1))]
+    assert found == ["ice_thickness_distribution", "motion_wind"]
+
+
+def test_numbers_of_motion_name_their_source():
+    facts = motion_facts(made(3, ("all", "run"), 0))
+    assert [round(fact.value, 2) for fact in facts] == [1.2, 0.69]
+    assert all(fact.source.startswith("analyses.nc: wind_") for fact in facts)
+    assert motion_facts(xr.Dataset()) == []

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The contributor's recipes, done as their pages say, from outside of the package."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from floeflow.column.params import Settings
+from floeflow.column.schemes import SCHEMES, advance_columns
+from floeflow.core import extensions, readers
+from floeflow.core.errors import FloeError
+from floeflow.diagnostics import collect
+from floeflow.diagnostics.diagnostics import diagnose
+from floeflow.masks.mask import make_mask
+from floeflow.report import report_figures
+from floeflow.scene import load_scene
+from floeflow.scene.effects import EFFECTS
+from floeflow.workflow.library import library_digest
+from support.synthetic import make_run
+from unit.column.test_schemes import COLD, check, start, weather
+
+PAGES = ("effect", "contact_law", "reader", "column_process", "diagnostic", "figure")
+Install = Callable[[str, str], ModuleType]
+
+
+def block(project: Path, page: str) -> str:
+    """The Python block of a page."""
+    text = (project / f"docs/contributing/{page}.md").read_text()
+    (found,) = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
+    return str(found)
+
+
+def forget() -> None:
+    for cached in (
+        extensions.modules,
+        extensions.load_extensions,
+        extensions.extension_digest,
+    ):
+        cached.cache_clear()
+
+
+@pytest.fixture
+def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
+    """Install a module as a package with an entry point, as pip would; gone after the test."""
+    site = tmp_path / "site"
+    site.mkdir()
+    monkeypatch.syspath_prepend(str(site))
+    monkeypatch.setattr(readers, "_ADDED", [])
+    monkeypatch.setattr(collect, "ADDED", {})
+    monkeypatch.setattr("floeflow.diagnostics.diagnostics.ADDED", collect.ADDED)
+    monkeypatch.setattr(report_figures, "ADDED", [])
+    names: list[str] = []
+
+    def put(name: str, text: str) -> None:
+        (site / f"{name}.py").write_text(text)
+        info = site / f"{name}-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+        (info / "entry_points.txt").write_text(f"[{extensions.GROUP}]\nmine = {name}\n")
+        names.append(name)
+        forget()
+
+    yield put
+    for name in names:
+        sys.modules.pop(name, None)
+    monkeypatch.undo()
+    forget()
+
+
+def test_each_thing_to_add_has_a_page(project: Path):
+    text = (project / "CONTRIBUTING.md").read_text()
+    for page in PAGES:
+        assert f"(docs/contributing/{page}.md)" in text
+        assert (project / f"docs/contributing/{page}.md").is_file()
+
+
+def test_pages_name_what_is_there(project: Path):
+    """Names in the code of the pages of effects and laws exist where they are said to be."""
+    for page, file, names in (
+        ("effect", "tests/unit/dynamics/test_grounding.py", r"`(test_\w+)`"),
+        ("contact_law", "liggghts_models/laws/contact.h", r"`(constants_at|contact_energy)`"),
+    ):
+        text = (project / f"docs/contributing/{page}.md").read_text()
+        found = set(re.findall(names, text))
+        assert found and all(name in (project / file).read_text() for name in found), page
+    assert "grounding" in EFFECTS
+
+
+def test_a_reader_from_outside_makes_a_mask(
+    project: Path, tmp_path: Path, install: Install, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    values = np.full((80, 80), 0.25)
+    values[:, 40:] = 0.75
+    np.savetxt("north.ice", values)
+    Path("mine.yaml").write_text(
+        "effects: [wind]\n"
+        "domain: {x_min: -1.0e+6, x_max: 1.0e+6, y_min: -1.0e+6, y_max: 1.0e+6}\n"
+        "mask: {file: north.ice, crs: 'EPSG:6931', land: none, refine: 1}\n"
+    )
+    scene = load_scene("mine.yaml")
+    with pytest.raises(FloeError, match="north.ice"):
+        make_mask(scene, None)
+    before = library_digest("mask")
+    install("my_readers", block(project, "reader"))
+    mask = make_mask(scene, None)
+    assert float(mask["siconc"][10, 2]) == pytest.approx(0.25)
+    assert float(mask["siconc"][10, -3]) == pytest.approx(0.75)
+    # Its bytes are in the digests of jobs.
+    assert library_digest("mask") != before
+
+
+def test_an_extension_that_fails_is_named(install: Install, tmp_path: Path):
+    install("my_broken", "import no_such_module\n")
+    (tmp_path / "a.nc").write_bytes(b"")
+    with pytest.raises(FloeError, match="the extension my_broken cannot be imported"):
+        readers.open_raw(tmp_path / "a.nc")
+
+
+def test_a_diagnostic_from_outside_is_in_the_run(project: Path, tmp_path: Path, install: Install):
+    run = make_run(tmp_path / "run", windows=1)
+    install("my_numbers", block(project, "diagnostic"))
+    data, _ = diagnose(run.files, run.scene.effects, run.scene.domain)
+    found = data["thick_ice_area"]
+    assert found.attrs == {"units": "m2", "long_name": "area of ice thicker than 2 m"}
+    assert found.dims == ("boundary",)
+    assert (found <= data["ice_area"]).all() and (found >= 0.0).all()
+
+
+def test_a_figure_from_outside_is_in_the_report(project: Path, tmp_path: Path, install: Install):
+    run = make_run(tmp_path / "run", windows=1)
+    data, _ = diagnose(run.files, run.scene.effects, run.scene.domain)
+    easel = report_figures.Easel(tmp_path, 50)
+    plain = {picture.name for picture in report_figures.series_pictures(easel, run.scene, data)}
+    install("my_figures", block(project, "figure"))
+    drawn = {picture.name for picture in report_figures.series_pictures(easel, run.scene, data)}
+    assert drawn - plain == {"series_fastest"}
+    assert b"largest speed (cm/s)" in (tmp_path / "series_fastest.svg").read_bytes()
+
+
+def test_a_column_process_from_outside_keeps_the_budgets(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("floeflow.column.schemes.SCHEMES", dict(SCHEMES))
+    exec(compile(block(project, "column_process"), "column_process.md", "exec"), {})
+    ends = {}
+    for scheme in ("zero_layer", "windy"):
+        settings = Settings(scheme=scheme, processes=("vertical", "snow"), step=3600.0)
+        first = start(settings, [0.9, 0.5], [1.5, 0.3])
+        after, terms = advance_columns(first, weather(COLD, settings, 2), (0.0, 86400.0), settings)
+        check(first, after, terms, 86400.0)
+        ends[scheme] = after["snow_volume"].sum(axis=1)
+    np.testing.assert_allclose(ends["zero_layer"] - ends["windy"], 1e-3, rtol=1e-9)
