@@ -72,7 +72,7 @@ VIEWS = (
          "floe's area, centroid and second moments; none is bonded to another."),
     View("antarctic", -2100.0, 1300.0, 1300.0,
          "The Antarctic in September, within an ice edge drawn by hand: finer at the coast, sizes "
-         "of neighbours spread. The two large ice shelves are drawn as land."),
+         "of neighbours spread."),
     View("dense_pack_pressed", 10.0, 5.0, 6.0,
          "Floes of two sizes, compacted by the element model until they jam; the right wall will "
          "press them."),
