@@ -122,7 +122,7 @@ def show(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
 
 def draw(folder: Path, path: Path) -> None:
     """Thickness in March and September, and the months of extent and volume."""
-    grid = xr.open_dataset(folder / "grid.nc").load()
+    grid = xr.load_dataset(folder / "grid.nc")
     found = season.cycle(grid)
     months = grid["time"].dt.month.values
     figure, axes = plt.subplots(1, 3, figsize=(13.0, 4.2), layout="constrained")

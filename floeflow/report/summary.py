@@ -196,7 +196,9 @@ def warnings(
     if scene.forcing.source != "file":
         found.append(f"Wind and weather are no observations: the scene runs {_driven(scene)}.")
     unclaimed, ocean = numbers.get("unclaimed_water_end", 0.0), numbers.get("ocean_area", 0.0)
-    if ocean and unclaimed > UNCLAIMED * ocean and "remap" not in scene.effects:
+    # On a mixed layer such water freezes, and a remap gives it to elements.
+    lies_open = not {"remap", "mixed_layer"} & set(scene.effects)
+    if ocean and unclaimed > UNCLAIMED * ocean and lies_open:
         share = number(100.0 * unclaimed / ocean, 2)
         found.append(f"{share} % of the sea at the end belongs to no element and makes no ice.")
     for budget in budgets:

@@ -27,7 +27,9 @@ class ColumnPhysics(Block):
         ge=0,
         le=2,
     )
-    emissivity: float = key(0.985, "Long-wave emissivity of ice and snow.", "1", gt=0, le=1)
+    emissivity: float = key(
+        0.985, "Long-wave emissivity of ice, snow and open water.", "1", gt=0, le=1
+    )
     snow_conductivity: float = key(0.3, "Heat conductivity of snow.", "W/m/K", ge=0.03, le=2)
     ice_conductivity: float = key(
         2.03,
@@ -104,7 +106,11 @@ class ColumnPhysics(Block):
         le=0.1,
     )
     floe_diameter: float = key(
-        300.0, "Diameter of floes, for melt at their sides (bl99, mushy).", "m", ge=1, le=1e5
+        300.0,
+        "Diameter of floes, for melt at their sides (lateral_melt on a mixed_layer).",
+        "m",
+        ge=1,
+        le=1e5,
     )
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Sequence
-from datetime import datetime
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
@@ -98,7 +98,6 @@ def arguments() -> argparse.ArgumentParser:
     add("--pressure", type=float, default=101325.0, help="air pressure, if the file has none (Pa)")
     add(
         "--start",
-        type=datetime.fromisoformat,
         help="begin at this time of the forcing, as 2015-03-01T12:00; without: at its first record",
     )
     add(
@@ -159,12 +158,12 @@ def settings_of(given: argparse.Namespace) -> Settings:
         new_ice_thickness=given.new_ice_thickness,
         ocean_salinity=given.salinity,
         mixed_layer_depth=given.mixed_layer_depth,
-        physics=physics_of(given.physics),
+        physics=physics_of(given),
     )
 
 
-def physics_of(words: Sequence[str]) -> ColumnPhysics:
-    """Constants of the command line, checked as those of a scene.
+def physics_of(given: argparse.Namespace) -> ColumnPhysics:
+    """Constants of the command line, checked as those of a scene with the same column.
 
     Raises
     ------
@@ -172,12 +171,15 @@ def physics_of(words: Sequence[str]) -> ColumnPhysics:
         Names the key.
     """
     values = {}
-    for word in words:
+    for word in given.physics:
         name, equals, value = word.partition("=")
         if not equals:
             raise FloeError(f"--physics {word}: give a key and its value, as emissivity=0.97")
         values[name] = yaml.safe_load(value)
-    return build_scene({"name": "column", "physics": values}).physics
+    column = {"scheme": given.scheme, "light": given.light}
+    effects = ["thermodynamics", *(("shortwave", "ponds") if given.ponds else ())]
+    keys = {"name": "column", "effects": effects, "column": column, "physics": values}
+    return build_scene(keys).physics
 
 
 def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
@@ -190,7 +192,22 @@ def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
     place = None if given.lon is None else (given.lon, given.lat)
     files = all_files(map(str, given.forcing), "floeflow column")
     forcing = read_point(files, settings, constant, place, given.accumulation)
-    return forcing if given.start is None else forcing.beginning(given.start)
+    return forcing if given.start is None else forcing.beginning(start_of(given.start))
+
+
+def start_of(text: str) -> datetime:
+    """Time of `--start`, in UTC.
+
+    Raises
+    ------
+    FloeError
+        Where it is none.
+    """
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        raise FloeError(f"--start {text}: give a time such as 2015-03-01T12:00") from None
+    return moment.astimezone(UTC).replace(tzinfo=None) if moment.tzinfo else moment
 
 
 def run(given: argparse.Namespace) -> str:
@@ -204,7 +221,8 @@ def run(given: argparse.Namespace) -> str:
     check(given)
     settings = settings_of(given)
     forcing = forcing_of(given, settings)
-    length = (given.days * DAY or forcing.length - forcing.begin) * given.repeat
+    length = given.repeat * (given.days * DAY or forcing.length)
+    length -= 0.0 if given.days else forcing.begin
     surface = float(forcing(0.0)["air_temperature"][0])
     columns = start_columns(settings, given.thickness, given.fraction, given.snow, surface)
     began = time.perf_counter()

@@ -232,9 +232,24 @@ def test_a_run_begins_within_its_forcing(forcing: Path):
     whole, part = (forcing_of(each, settings_of(each)) for each in (given, later))
     assert part.first == datetime(2020, 1, 3, 6) and part.length == whole.length
     assert part(3600.0) == whole(2.25 * 86400.0 + 3600.0)
-    outside = asked(forcing, "--start", "2019-12-31")
-    with pytest.raises(FloeError, match="--start 2019-12-31 00:00:00: the forcing goes from 2020"):
-        forcing_of(outside, settings_of(outside))
+    east = asked(forcing, "--start", "2020-01-03T08:00+02:00")
+    assert forcing_of(east, settings_of(east)).first == part.first
+    for text, sentence in (
+        ("2019-12-31", "--start 2019-12-31 00:00:00: the forcing goes from 2020"),
+        ("March", "--start March: give a time such as 2015-03-01T12:00"),
+    ):
+        outside = asked(forcing, "--start", text)
+        with pytest.raises(FloeError, match=sentence):
+            forcing_of(outside, settings_of(outside))
+
+
+def test_a_run_that_begins_later_ends_with_the_forcing(forcing: Path, tmp_path: Path):
+    out = tmp_path / "out.nc"
+    more = ("--start", "2020-01-06", "--output", str(out), "--figure", str(tmp_path / "out.png"))
+    run(asked(forcing, "--repeat", "2", *more))
+    with xr.open_dataset(out) as data:
+        assert data["time"].values[0] == np.datetime64("2020-01-06")
+        assert data["time"].values[-1] == np.datetime64("2020-01-13")
 
 
 def test_constants_are_those_of_a_scene(forcing: Path):
@@ -248,6 +263,16 @@ def test_constants_are_those_of_a_scene(forcing: Path):
     ):
         with pytest.raises(FloeError, match=sentence):
             settings_of(asked(forcing, "--physics", words))
+
+
+def test_a_constant_that_the_scheme_does_not_read_is_told(forcing: Path, caplog):
+    words = ("--physics", "conductivity=maykut_untersteiner")
+    settings_of(asked(forcing, "--scheme", "bl99", *words))
+    assert not caplog.messages
+    settings_of(asked(forcing, "--scheme", "mushy", *words))
+    assert caplog.messages == [
+        "physics.conductivity is given, but this scheme, light and effects do not read it"
+    ]
 
 
 def test_light_of_many_directions_asks_for_the_place(forcing: Path):

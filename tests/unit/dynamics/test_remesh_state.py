@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import shapely
 import xarray as xr
+from scipy.spatial import cKDTree
 
 from floeflow.dynamics.remesh.outline import cut
 from floeflow.dynamics.remesh.remap import lay, overlapping, remap
@@ -230,6 +231,15 @@ def test_an_element_wider_than_its_bay_has_not_left_the_cells(case: tuple, beyon
     away = np.hypot(after["x"].values - cells.x[site], after["y"].values - cells.y[site])
     near = np.flatnonzero(away < 1.1 * cells.radius[site])
     assert after["id"].values[near].tolist() == [cells.id[site]]
+    # Ice of another that stands at the same place goes into the same element.
+    visitor = int(np.flatnonzero(state["id"].values == cells.id[(site + 1) % len(cells.id)])[0])
+    for axis in ("x", "y"):
+        wide[axis].values[visitor] = wide[axis].values[row]
+    both = remapped(wide, cells)
+    assert int(cells.id[site]) in both["id"].values
+    for made in (after, both):
+        places = np.stack([made["x"].values, made["y"].values], axis=1)
+        assert not cKDTree(places).query_pairs(1.0)
 
 
 def test_no_water_is_made_where_an_element_stays(case: tuple) -> None:

@@ -200,6 +200,16 @@ def test_the_rule_of_the_first_thickness_is_told(run: Run, rule: str, says: str)
     assert any("bear 0.1 m of young ice at the start" in line for line in said)
 
 
+@pytest.mark.parametrize(
+    "effects, told", [((), True), (("mixed_layer",), False), (("remap",), False)]
+)
+def test_water_that_cannot_freeze_is_told(run: Run, effects: tuple[str, ...], told: bool):
+    scene = run.scene.model_copy(update={"effects": ("wind", *effects)})
+    numbers = {"unclaimed_water_end": 1.0e11, "ocean_area": 1.0e12}
+    line = "10 % of the sea at the end belongs to no element and makes no ice."
+    assert (line in warnings(scene, [], numbers, [])) == told
+
+
 def test_budgets_state_residual_verdict_and_thresholds(page: Page):
     cells = page.within("td")
     assert "1e−8" in cells and "1e−12" in cells
