@@ -14,7 +14,7 @@ FUZZ_SECONDS ?= 300
 # Recipes read them from the environment: no quote in a value can end a command.
 export PYTHON LIGGGHTS_ROOT NO_APT SCENE RANKS AGAINST FUZZ_SECONDS
 
-.PHONY: help setup run year test test-slow test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery tag bench-dem bench-column bench-remap bench-packing bench-plan bench-scaling bench-year bench studies docs doctor test-fresh lock clean
+.PHONY: help setup run year test test-slow test-browser setup-cluster test-cluster slurm-demo verification stability fuzz lint gallery bench-dem bench-column bench-remap bench-packing bench-plan bench-scaling bench-year bench studies docs doctor test-fresh lock tag clean
 
 help: ## list these targets
 	@sed -n -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 18

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from shapely.geometry import shape
 
 from floeflow.core.errors import FloeError
+from floeflow.core.polygon_names import SHAPEFILE
 from floeflow.core.shapefile import read_shapefile
 
 Array = NDArray[np.float64]
@@ -21,7 +22,6 @@ Array = NDArray[np.float64]
 # Sides longer than this (degrees) are divided, as they are bent on the map.
 LONGEST_SIDE = 0.25
 MAX_BYTES = 50_000_000
-SHAPEFILE, GEOJSON = ".shp", (".json", ".geojson")
 
 
 def read_polygons(path: str | Path, crs: str) -> list[tuple[shapely.Geometry, dict[str, Any]]]:
@@ -138,15 +138,3 @@ def within(polygon: shapely.Geometry, x: Array, y: Array) -> NDArray[np.bool_]:
     """Whether points (m) lie in a polygon; as the arrays are shaped."""
     shapely.prepare(polygon)
     return np.asarray(shapely.contains_xy(polygon, x, y))
-
-
-def is_polygon_file(name: str) -> bool:
-    """Whether a name is that of a file of polygons, by its ending."""
-    return Path(name).suffix.lower() in (*GEOJSON, SHAPEFILE)
-
-
-def files_of_polygons(name: str) -> list[str]:
-    """Files that are read for polygons of a file, or of none: of a shapefile its .prj too."""
-    path = Path(name)
-    beside = [str(path.with_suffix(".prj"))] if path.suffix.lower() == SHAPEFILE else []
-    return [name, *beside] if name else []

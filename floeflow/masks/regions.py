@@ -15,14 +15,8 @@ from numpy.typing import NDArray
 
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import Grid
-from floeflow.core.polygon_file import (
-    files_of_polygons,
-    is_polygon_file,
-    project,
-    read_polygons,
-    within,
-)
-from floeflow.scene.blocks import Mask
+from floeflow.core.polygon_file import project, read_polygons, within
+from floeflow.core.polygon_names import is_polygon_file
 
 Flags = NDArray[np.bool_]
 
@@ -110,9 +104,3 @@ def polygon_cells(polygons: list[shapely.Geometry], grid: Grid) -> Flags:
 def shore_cells(path: str, grid: Grid, crs: str) -> Flags:
     """Cells of land by a shoreline of the user's: polygons of a file, (ny, nx)."""
     return polygon_cells([polygon for polygon, _ in read_polygons(path, crs)], grid)
-
-
-def polygon_inputs(mask: Mask) -> list[str]:
-    """Files of the polygons that a scene's mask names: shoreline and region."""
-    region = mask.region if is_polygon_file(mask.region) else ""
-    return [*files_of_polygons(mask.shoreline), *files_of_polygons(region)]

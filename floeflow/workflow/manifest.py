@@ -21,7 +21,7 @@ from typing import Any
 from floeflow.core.atomic_write import write_text
 from floeflow.core.file_hash import file_hash
 from floeflow.forcings.files import depth_files, forcing_files
-from floeflow.masks.regions import polygon_inputs
+from floeflow.masks.polygon_inputs import polygon_inputs
 from floeflow.scene import Scene
 from floeflow.workflow.library import PACKAGES, library_digest
 

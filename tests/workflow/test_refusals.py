@@ -75,7 +75,7 @@ def test_a_scene_is_no_configfile_and_executes_nothing(place: Place, said: Calla
 
 def test_a_scene_s_faults_stop_the_run_before_any_job(place: Place, said: Callable[[Path], str]):
     wrong = place.scene(dynamics={"yong_modulus": 1.0})
-    assert "did you mean 'young_modulus'?" in refusal(place, wrong)
+    assert "did you mean 'dynamics.young_modulus'?" in refusal(place, wrong)
     missing = place.folder / "none.yaml"
     assert "none.yaml: the scene cannot be read" in said(missing)
     path = place.folder / "up.yaml"

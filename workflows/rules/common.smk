@@ -7,7 +7,7 @@ from floeflow.analysis.estimate.resources import job_memory, job_minutes, job_ra
 from floeflow.analysis.studies.plans import STUDIES, study_variants
 from floeflow.diagnostics.study_summaries import valid_digests
 from floeflow.forcings.files import users_files
-from floeflow.masks.regions import polygon_inputs
+from floeflow.masks.polygon_inputs import polygon_inputs
 from floeflow.workflow.library import library_digest
 from floeflow.workflow.scenes import Scenes
 

@@ -176,6 +176,12 @@ def fresh_bonds(
     near = (apart < (1.0 + max(gap, 1e-9)) * reach) & (fresh["thickness"][lo] > 0)
     near &= fresh["thickness"][hi] > 0
     lo, hi, ends = lo[near], hi[near], cells.ends[near]
+    # Elements that fill their cells in part have lines as much shorter, about their middles.
+    part = np.minimum(
+        fresh["radius"][lo] / cells.radius[lo], fresh["radius"][hi] / cells.radius[hi]
+    )
+    middle = ends.mean(axis=1, keepdims=True)
+    ends = middle + part[:, None, None] * (ends - middle)
     held, right, thick = holding(ancestry.old, bonds, gap)
     whole = np.minimum(mean_over_parts(held, ancestry.share, lo, hi), 1.0)
     crack_a = mean_over_parts(right, ancestry.share, lo, hi)
@@ -192,12 +198,6 @@ def fresh_bonds(
     most = float((before * bonds["thickness"]).sum())
     thickness = thickness * min(1.0, most / strength) if strength > 0 else thickness
     lo, hi, ends = lo[keep], hi[keep], ends[keep]
-    # Elements that fill their cells in part have lines as much shorter, about their middles.
-    part = np.minimum(
-        fresh["radius"][lo] / cells.radius[lo], fresh["radius"][hi] / cells.radius[hi]
-    )
-    middle = ends.mean(axis=1, keepdims=True)
-    ends = middle + part[:, None, None] * (ends - middle)
     # Cells are sorted by id, so the lower row has the lower id, and a is on its right.
     table = new_bonds(
         fresh,
@@ -217,7 +217,9 @@ def coast_bonds(
     """Bonds of fresh elements to the coast, where most of their parts were bonded to it.
 
     The line lies where both discs have the same power, across the line of centres, as long as
-    those of the parts were on average, and no longer than the smaller disc is wide.
+    those of the parts were on average, and no longer than the smaller disc is wide. It reaches as
+    far, in radii, as those of the parts do: a packing freezes ice to a coast whose line is near,
+    however far behind it the coast's discs stand.
 
     Parameters
     ----------
@@ -242,7 +244,11 @@ def coast_bonds(
     one, two, share = held.row[most], held.col[most], np.minimum(held.data[most], 1.0)
     dx, dy = coast["x"][two] - fresh["x"][one], coast["y"][two] - fresh["y"][one]
     span, radii = np.hypot(dx, dy), (fresh["radius"][one], coast["radius"][two])
-    near = (span < (1.0 + max(gap, 1e-9)) * (radii[0] + radii[1])) & (fresh["thickness"][one] > 0)
+    old = ancestry.old
+    spanned = np.hypot(coast["x"][land] - old["x"][ice], coast["y"][land] - old["y"][ice])
+    spanned = spanned / (old["radius"][ice] + coast["radius"][land])
+    reach = max(1.0 + max(gap, 1e-9), float(spanned.max(initial=0.0)))
+    near = (span <= reach * (radii[0] + radii[1])) & (fresh["thickness"][one] > 0)
 
     def mean(name: str) -> Array:
         found = over_parts(whole * bonds[name])[one, two]

@@ -30,7 +30,7 @@ from floeflow.dynamics.remesh.tables import (
     with_pairs,
     with_walls,
 )
-from floeflow.dynamics.remesh.transport import transport, values_of
+from floeflow.dynamics.remesh.transport import is_share, transport, values_of
 from floeflow.state.bonds import Arrays
 from floeflow.state.cells import Cells, rings_of
 from floeflow.state.elements import joint_thickness, pair_arrays
@@ -47,6 +47,9 @@ Index = NDArray[np.int64]
 LEAST_COVER, NEAR = 0.5, 2.0
 # A cell holds more than its area where it is more by this share.
 ROUND_OFF = 1.0e-9
+# Ice over less than this share of a cell makes no element: making room mixes what goes through
+# water of elements whose ice has melted, and would leave a trace of ice in each.
+TRACE = 1.0e-4
 
 
 @dataclass(frozen=True)
@@ -164,6 +167,7 @@ def remap(
     share = laid.pieces.matrix()
     fill = {name: move(_product(share.T, values[name])) for name in names if name != "area"}
     arrived = {name: move(amount) for name, amount in arrived.items()}
+    arrived, fill, share = _without_traces(arrived, fill, share, cells)
     crumbs = gather_crumbs(arrived["area"], cells.area, beside)
     arrived = {name: _product(crumbs, amount) for name, amount in arrived.items()}
     fill = {name: _product(crumbs, amount) for name, amount in fill.items()}
@@ -184,6 +188,51 @@ def remap(
         {name: mean[stays] for name, mean in fill.items()},
     )
     return _assemble(state, cells, laid, fresh, stays, share, bond_gap)
+
+
+def _without_traces(
+    arrived: dict[str, Array], fill: dict[str, Array], share: sparse.csr_matrix, cells: Cells
+) -> tuple[dict[str, Array], dict[str, Array], sparse.csr_matrix]:
+    """Amounts, sums for means and shares of old elements once traces of ice have gone to others."""
+    to, part = traces(arrived["area"], arrived["ice_fraction"].sum(axis=1), cells)
+    into = sparse.csr_matrix(to @ sparse.diags(part))
+    water = {
+        name for name in fill if VARIABLES[name].of == "area" and not is_share(VARIABLES[name])
+    }
+    gone = {
+        name: _product(into if name in {"area", *water} else to, amount)
+        for name, amount in arrived.items()
+    }
+    means = {name: _product(into, amount) for name, amount in fill.items()}
+    return gone, means, sparse.csr_matrix(share @ into.T)
+
+
+def traces(area: Array, ice: Array, cells: Cells) -> tuple[sparse.csr_matrix, Array]:
+    """Where traces of ice go, to the nearest ice that is more, and what share of its area goes too.
+
+    Parameters
+    ----------
+    area, ice : ndarray
+        What the cells hold, and how much of it is under ice (m2), (m,).
+    cells : Cells
+        The fresh cells.
+
+    Returns
+    -------
+    csr_matrix
+        (m, m), with which amounts are to be multiplied from the left; its columns add up to 1.
+    ndarray
+        1; where ice goes elsewhere, the share of the cell's area that it covers.
+    """
+    count = len(area)
+    goes, part = np.arange(count), np.ones(count)
+    trace = (ice > 0) & (ice < TRACE * cells.area)
+    more = np.flatnonzero((ice > 0) & ~trace)
+    if trace.any() and len(more):
+        place = np.stack([cells.x, cells.y], axis=1)
+        goes[trace] = more[cKDTree(place[more]).query(place[trace])[1]]
+        part[trace] = ice[trace] / area[trace]
+    return sparse.csr_matrix((np.ones(count), (goes, np.arange(count)))), part
 
 
 def _taken(state: xr.Dataset, cells: Cells, laid: Laid) -> Flags:

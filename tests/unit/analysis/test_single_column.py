@@ -304,7 +304,7 @@ def test_the_tutorial_makes_its_forcing_and_runs(shared: Path, tmp_path: Path, m
     (tmp_path / table.name).symlink_to(table)
     monkeypatch.chdir(tmp_path)
     exec(compile(block[1], "tutorial", "exec"), {})
-    commands = re.findall(r"^floeflow column (.*)$", text, re.M)
+    commands = re.findall(r"^\$ .venv/bin/floeflow column (.*)$", text, re.M)
     assert len(commands) >= 2
     text = run(arguments().parse_args([*commands[0].split(), "--days", "5"]))
     assert (tmp_path / "column.nc").is_file() and "largest residual" in text

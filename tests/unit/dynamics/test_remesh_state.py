@@ -289,6 +289,21 @@ def test_ice_that_enters_an_empty_cell_makes_an_element(case: tuple) -> None:
     assert 0 < mobile.sum() < (after["type"].values == MOBILE).sum() - 20
 
 
+def test_a_trace_of_ice_goes_to_the_ice_beside_it(case: tuple) -> None:
+    state, cells = case
+    mobile = state["type"].values == MOBILE
+    east = mobile & (state["x"].values > np.median(state["x"].values[mobile]))
+    faint = state.copy(deep=True)
+    for name in ("ice_fraction", "ice_volume", "snow_volume"):
+        faint[name].values[east] *= 1e-6
+    after = remapped(faint, cells)
+    check_state(after)
+    assert_kept(faint, after)
+    fraction = after["ice_fraction"].values.sum(axis=1)[after["type"].values == MOBILE]
+    assert ((fraction == 0) | (fraction > 1e-4)).all()
+    assert (fraction > 0).sum() == (mobile & ~east).sum()
+
+
 def test_a_lead_inside_the_pack_is_given_to_elements(case: tuple) -> None:
     state, cells = case
     place = np.stack([state["x"], state["y"]], axis=1)

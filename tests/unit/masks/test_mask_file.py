@@ -113,7 +113,7 @@ def other_grid(data: xr.Dataset) -> xr.Dataset:
         (None, {"concentration": ""}, "no variable has standard_name .*: ice, sst"),
         (two_names, {"concentration": ""}, "several variables have standard_name"),
         (curvilinear, {}, r"dimensions \(time, j, i\) on a curvilinear grid"),
-        (two_levels, {}, r"dimensions \(member, time, lat, lon\), which are not"),
+        (two_levels, {}, "variable 'ice' has 2 values along 'member'"),
         (bad_time, {}, "time variable 'time' with units 'fortnights since 1981'"),
         (no_mapping, {}, "lies on projected coordinates but has no grid_mapping"),
         (bad_mapping, {}, "the grid mapping 'crs' names no known projection"),

@@ -14,7 +14,8 @@ import pytest
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import mask_grid, scene_crs, to_lonlat
 from floeflow.masks.mask import make_mask
-from floeflow.masks.regions import SEAS, polygon_inputs, region_cells
+from floeflow.masks.polygon_inputs import polygon_inputs
+from floeflow.masks.regions import SEAS, region_cells
 from floeflow.scene import Scene, parse_scene
 from floeflow.scene.blocks import Domain
 

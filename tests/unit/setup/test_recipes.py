@@ -85,7 +85,7 @@ def test_pages_name_what_is_there(project: Path):
     """Names in the code of the pages of effects and laws exist where they are said to be."""
     for page, file, names in (
         ("effect", "tests/unit/dynamics/test_grounding.py", r"`(test_\w+)`"),
-        ("contact_law", "liggghts_models/laws/contact.h", r"`(constants_at|contact_energy)`"),
+        ("contact_law", "liggghts_models/laws/laws.h", r"`(FLOE_\w+_LAWS)`"),
     ):
         text = (project / f"docs/contributing/{page}.md").read_text()
         found = set(re.findall(names, text))
