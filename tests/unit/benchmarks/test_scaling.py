@@ -23,14 +23,15 @@ def scaling(project: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 def test_a_pack_in_half_its_box_is_shared_and_what_ranks_send_is_counted(
     scaling: ModuleType, tmp_path: Path
 ) -> None:
-    case = scaling.Case("case", 30, 24, 2, 20, 1, corner=True, deterministic=True)
+    case = scaling.Case("case", 30, 24, 2, 80, 1, corner=True, deterministic=True)
     found, state = scaling.launch(case, tmp_path / "cut")
     even = scaling.launch(replace(case, even=True, ranks=1), tmp_path / "even")
     assert found["n"] == even[0]["n"] == 30 * 24 + 1
     record = scaling.record(case, found, None)
     assert record.extra["imbalance"] < 1.1
     assert scaling.likeness(state, even[1]) == {"apart_m": 0.0, "same_bits": True}
-    # Nine numbers for each ghost and step, and nothing else, in one message to the one neighbour.
+    # Nine numbers for each ghost and step in one message to the one neighbour; beside that four
+    # messages at the beginning.
     sent = scaling.volume(case, tmp_path)
     ghosts = record.extra["ghosts_a_rank"]
     assert sent["bytes_a_step"] == pytest.approx(72.0 * ghosts, rel=0.1)
