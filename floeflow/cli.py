@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import logging
 import subprocess
 import sys
 from collections.abc import Callable
@@ -18,7 +17,7 @@ from floeflow.analysis.estimate.command import tell
 from floeflow.analysis.plan import command as plan_command
 from floeflow.analysis.resolve import resolve_scene
 from floeflow.analysis.single_column import run as column_command
-from floeflow.core.errors import FloeError, answer
+from floeflow.core.errors import FloeError, answer, answer_quietly
 from floeflow.report.run_so_far import report_so_far
 from floeflow.scene.docs import PROJECT
 
@@ -88,8 +87,7 @@ def effects(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
 ) -> None:
     """Estimate what each effect changes (%) and costs (% of run time); recommend effects."""
-    logging.disable(logging.WARNING)
-    _end(partial(tell, scene, as_json))
+    raise typer.Exit(answer_quietly(partial(tell, scene, as_json)))
 
 
 @app.command(context_settings=OWN_OPTIONS)

@@ -254,13 +254,22 @@ def level_amounts(c, n, amounts):
 
 
 @jit
+def unit_share(part, whole):
+    """Share of a whole, between 0 and 1; 0 of nothing."""
+    return min(max(part / whole, 0.0), 1.0) if whole > 0.0 else 0.0
+
+
+@jit
 def level_shares(c, n, amounts):
-    """Set what `level_amounts` gives back as shares and depths."""
+    """Set what `level_amounts` gives back as shares and depths.
+
+    Of a category that has nearly all gone, round-off may leave more level ice than ice.
+    """
     area, pond = amounts[LEVEL_AREA], amounts[POND_AREA]
-    c.level[n, LEVEL_AREA] = area / c.area[n] if c.area[n] > 0.0 else 0.0
-    c.level[n, LEVEL_VOLUME] = amounts[LEVEL_VOLUME] / c.ice[n] if c.ice[n] > 0.0 else 0.0
+    c.level[n, LEVEL_AREA] = unit_share(area, c.area[n])
+    c.level[n, LEVEL_VOLUME] = unit_share(amounts[LEVEL_VOLUME], c.ice[n])
     wet = area > 0.0 and pond > 0.0
-    c.level[n, POND_AREA] = pond / area if wet else 0.0
+    c.level[n, POND_AREA] = unit_share(pond, area) if wet else 0.0
     c.level[n, POND_DEPTH] = amounts[POND_DEPTH] / pond if wet else 0.0
     c.level[n, POND_LID] = amounts[POND_LID] / pond if wet else 0.0
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Callable
 
@@ -22,3 +23,13 @@ def answer(command: Callable[[], object]) -> int:
         print(f"floeflow: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def answer_quietly(command: Callable[[], object]) -> int:
+    """`answer` without warnings of the log: an estimate reads what a run will warn of."""
+    before = logging.root.manager.disable
+    logging.disable(logging.WARNING)
+    try:
+        return answer(command)
+    finally:
+        logging.disable(before)

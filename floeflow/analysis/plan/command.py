@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import logging
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -16,7 +15,7 @@ from floeflow.analysis.plan.precision import PRECISION, error_model
 from floeflow.analysis.plan.propose import Proposal, for_budget, for_error, parse_budget, proposals
 from floeflow.analysis.plan.refit import refit
 from floeflow.analysis.resolve import resolve_scene
-from floeflow.core.errors import FloeError, answer
+from floeflow.core.errors import FloeError, answer_quietly
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -36,8 +35,7 @@ def main(words: Sequence[str] | None = None) -> int:
         "--results", type=Path, default=Path("results"), help="folder of the studies, for --refit"
     )
     given = parser.parse_args(words)
-    logging.disable(logging.WARNING)
-    return answer(partial(_refit, given.results) if given.refit else partial(_plan, given))
+    return answer_quietly(partial(_refit, given.results) if given.refit else partial(_plan, given))
 
 
 def _refit(results: Path) -> str:

@@ -2,7 +2,7 @@
 """Parts of the layered column: enthalpy, fluxes, light, layers, categories, refusals."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -14,7 +14,7 @@ from floeflow.column.layered import LayeredState, pack_forcing, step
 from floeflow.column.ocean.ocean import heat_to_ice as compiled_heat_to_ice
 from floeflow.column.ocean.ocean import limit as compiled_limit
 from floeflow.column.physics import Physics, as_records
-from floeflow.column.records import FORCING, SUMS
+from floeflow.column.records import FORCING, SUMS, level_shares
 from floeflow.column.shortwave.ccsm3 import absorb as compiled_absorb
 from floeflow.column.thermodynamics import boundary_layer as b
 from floeflow.column.thermodynamics import enthalpy as e
@@ -203,3 +203,20 @@ def test_bad_forcing_and_shapes_are_refused() -> None:
         pack_forcing(values, 1, 2)
     with pytest.raises(FloeError, match="do not fit 2 elements of 2 categories"):
         step(cell(), pack_forcing(weather(), 1, 2), 60.0, category_bounds(5), P)
+
+
+class Shares(NamedTuple):
+    """What of a column `level_shares` reads and sets."""
+
+    area: np.ndarray
+    ice: np.ndarray
+    level: np.ndarray
+
+
+def test_level_shares_stay_shares_whatever_round_off_leaves():
+    """A category gives nearly all away: what is left is a difference of large amounts."""
+    column = Shares(np.array([1e-9]), np.array([1e-13]), np.ones((1, 7)))
+    amounts = np.zeros(7)
+    amounts[:5] = 1e-9 * (1 + 1e-11), 1e-13 * (1 + 1e-11), -1e-27, 0.0, 0.0
+    level_shares(column, 0, amounts)
+    np.testing.assert_array_equal(column.level[0, :5], [1.0, 1.0, 0.0, 0.0, 0.0])
