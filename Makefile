@@ -30,10 +30,11 @@ year: ## run the Arctic for a year with every effect, and print where its report
 	@$(MAKE) run SCENE=config/scenes/arctic_year.yaml
 
 test: setup lint ## set up, then run lint and every test but the slow ones
-	ctest --test-dir build/liggghts_models --output-on-failure --parallel 2
+	ctest --test-dir build/liggghts_models --output-on-failure --parallel 2 --label-exclude slow
 	@setup/test.sh
 
 test-slow: setup ## the tests that take minutes and belong to neither verification nor stability
+	ctest --test-dir build/liggghts_models --output-on-failure --label-regex slow
 	.venv/bin/python -m pytest -m "slow and not verification and not stability" tests
 
 test-browser: setup ## open a report in Chromium: quiet, offline, moved by keys; screenshots in results/browser

@@ -93,6 +93,9 @@ def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
     sums[r.SWEEPS] += abs(found.sweeps)
     sums[r.SOLVES] += 1.0
     sums[r.RESCUED] += 1.0 if found.sweeps < 0 else 0.0
+    # What is not a number is no 0 and not below a bound.
+    sums[r.UNCONVERGED] += 0.0 if found.left == 0.0 else 1.0
+    sums[r.FAILED] += 0.0 if found.left <= p.largest_left else 1.0
 
     if change.ice <= 0.0:
         sums[r.POND_LOST] += category_water(c, n)

@@ -19,6 +19,7 @@ from floeflow.column.kernel import advance
 from floeflow.column.physics import Physics, as_records
 from floeflow.column.records import FORCING, FORCING_DEFAULTS, LEVEL, SUMS, SUN_HEIGHT, Array
 from floeflow.column.thermodynamics.enthalpy import salinity_profile
+from floeflow.column.unsolved import UnsolvedError
 from floeflow.core.errors import FloeError
 
 CHUNK = 64  # columns that a thread takes at a time; has no effect on results
@@ -159,6 +160,8 @@ def step(
     ------
     FloeError
         Where shapes do not fit.
+    UnsolvedError
+        Where temperatures did not come near a solution.
     """
     after = LayeredState(**{f.name: _copy(getattr(state, f.name)) for f in fields(state)})
     count, categories = after.ice_fraction.shape
@@ -183,7 +186,11 @@ def step(
         CHUNK,
     )
     after = replace(after, **{name: level[:, :, k].copy() for k, name in enumerate(LEVEL)})
-    return after, {name: sums[:, k].copy() for k, name in enumerate(SUMS)}
+    named = {name: sums[:, k].copy() for k, name in enumerate(SUMS)}
+    failed = np.flatnonzero(named["failed"])
+    if len(failed):
+        raise UnsolvedError(failed, count, p.largest_left)
+    return after, named
 
 
 def _copy(values: Array) -> Array:

@@ -24,6 +24,9 @@ Columns = dict[str, Array]
 HOUR = 3600.0
 # Numbers of forcing that are packed at once: bounds the memory.
 BLOCK = 4_000_000
+# Counts among the terms: solves of temperatures, those that the second method did, and those that
+# ended short of their tolerance.
+SOLVES = ("temperature_solves", "temperature_rescued", "temperature_unconverged")
 
 
 def layered_physics(settings: Settings) -> Physics:
@@ -158,6 +161,7 @@ def budget_terms(sums: dict[str, Array], p: Physics) -> dict[str, Array]:
         "water_vapour": -sums["vapour_ice"],
         "water_ocean": -drained,
         "light_to_sea": sums["light_to_sea"],
+        **{name: sums[name.removeprefix("temperature_")] for name in SOLVES},
     }
     if p.mushy:
         terms["salt_ocean"] = 1e-3 * p.ice_density * sums["salt_to_ice"]

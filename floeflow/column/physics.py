@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
+from floeflow.column.unsolved import LARGEST_LEFT
 from floeflow.core import constants
 from floeflow.scene.physics import ColumnPhysics
 
@@ -166,8 +167,10 @@ class Physics(NamedTuple):
         Liquid fraction of new ice in open water, its salinity below the sea's (1e-3), degC.
     surface_tolerance, flux_tolerance : float
         Of the iteration: K, W/m2.
-    iterations : int
-        Of the temperatures, before the sure method takes over.
+    iterations, fallback_iterations, mush_iterations : int
+        Of the temperatures, before the second method takes over; of that; of the surface of mush.
+    largest_left : float
+        Temperatures that still change by more (K) when their iterations end stop the run.
     """
 
     ice_density: float = constants.ICE_DENSITY
@@ -267,6 +270,9 @@ class Physics(NamedTuple):
     surface_tolerance: float = 5e-4
     flux_tolerance: float = 9e-4
     iterations: int = 30
+    fallback_iterations: int = 200
+    mush_iterations: int = 100
+    largest_left: float = LARGEST_LEFT
 
 
 def as_records(p: Physics) -> Any:

@@ -100,7 +100,9 @@ SUMS = (
     "salt_to_ice",  # of mush: by growth, flooding, drainage and melt (1e-3 m)
     "sweeps",  # iterations of the temperatures
     "solves",  # temperature solves
-    "rescued",  # of which the sure method did
+    "rescued",  # of which the second method did
+    "unconverged",  # of which did not come to their tolerance
+    "failed",  # of which are too far from a solution to go on
     "pond_gain",  # melt water and rain that ponds caught (m of water)
     "pond_frozen",  # of pond water to lids, less what lids gave (m of water)
     "pond_drained",  # through the ice and its flaws (m of water)
@@ -133,6 +135,8 @@ SUMS = (
     SWEEPS,
     SOLVES,
     RESCUED,
+    UNCONVERGED,
+    FAILED,
     POND_GAIN,
     POND_FROZEN,
     POND_DRAINED,

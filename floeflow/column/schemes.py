@@ -31,7 +31,8 @@ class Scheme:
         ``advance(columns, sample, window, settings) -> (columns, terms)``: columns at the end of
         the window (s, s); ``sample(t)`` gives the forcing variables of `forcing_names` at the
         elements. Terms per square metre of the elements: ``growth_*`` (m of ice), ``snow_*`` (m of
-        snow), ``energy_*`` (J/m2), ``water_*`` and ``salt_*`` (kg/m2), each (n,).
+        snow), ``energy_*`` (J/m2), ``water_*`` and ``salt_*`` (kg/m2), each (n,); and counts,
+        ``temperature_*``, of schemes with layers.
     stored : callable
         ``stored(columns, settings)``: what the terms change, by ``energy``, ``water``, ``salt``.
     """

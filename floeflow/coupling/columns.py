@@ -16,6 +16,7 @@ from mpi4py import MPI
 from floeflow.column.forcing import sample_series
 from floeflow.column.schemes import advance_columns as advance_slice
 from floeflow.column.settings import column_settings
+from floeflow.column.unsolved import UnsolvedError
 from floeflow.core.collective import on_all
 from floeflow.core.grids import scene_crs, to_lonlat
 from floeflow.core.sun import day_of_year, sun_height
@@ -130,7 +131,11 @@ def advance_all(
 
     def advance() -> tuple[Arrays, Arrays]:
         sample = forcing_sampler(scene, part, forcing)
-        return advance_slice(part.values, sample, window, settings, part.closed)
+        try:
+            return advance_slice(part.values, sample, window, settings, part.closed)
+        except UnsolvedError as error:
+            first = int(error.rows[0])
+            raise error.at(f"the one at ({part.x[first]:.6g}, {part.y[first]:.6g}) m") from None
 
     after, terms = on_all(comm, advance)
     # Put together whole, so that sums are the same on any number of ranks.
@@ -174,15 +179,17 @@ def advance_columns(
         State with new columns; terms of the budgets of each mobile element, over its area:
         ``growth_<term>`` (m3 of ice), ``snow_<term>`` (m3 of snow), ``energy_<term>`` (J),
         ``water_<term>`` and ``salt_<term>`` (kg), (n,), which `totals` adds up; sums of the same
-        terms over open water, and of the sea ``sea_heat_<term>`` (J) and ``sea_salt_<term>`` (kg);
+        terms over open water, of the sea ``sea_heat_<term>`` (J) and ``sea_salt_<term>`` (kg), and
+        how often temperatures were solved for, ``temperature_<how>``;
         and the ice that formed in open water, which has to be settled.
     """
     columns = mobile_columns(scene, state, first_area)
     count = len(columns.x)
     if places is None or "mixed_layer" not in scene.effects:
         after, terms = advance_all(comm, scene, columns, forcing, window)
+        counts = take_counts(terms)
         each = {name: columns.area * values for name, values in terms.items()}
-        return _with_columns(state, after), each, {}, None
+        return _with_columns(state, after), each, counts, None
     settings = column_settings(scene)
     water = read_water(state, places.area, settings)
     grid = places.grid
@@ -195,6 +202,7 @@ def advance_columns(
     u, v = (np.concatenate([each, still]) for each in (columns.u, columns.v))
     every = Columns(afloat.columns, afloat.x, afloat.y, u, v, afloat.area, closed, afloat.salinity)
     after, terms = advance_all(comm, scene, every, forcing, window)
+    counts = take_counts(terms)
     every_term = {name: afloat.area * values for name, values in terms.items()}
     each = {name: values[:count] for name, values in every_term.items()}
     open_terms = {name: values[count:] for name, values in every_term.items()}
@@ -205,7 +213,7 @@ def advance_columns(
     ice = {name: values[count:] for name, values in after.items() if name not in SEA_VARIABLES}
     found = OpenIce(afloat.cells, afloat.area[count:], ice, shares, open_terms)
     state = with_water(_with_columns(state, own), water)
-    return state, each, {**of_open, **add_terms(sea_terms, drawn)}, found
+    return state, each, {**of_open, **add_terms(sea_terms, drawn), **counts}, found
 
 
 def _relaxed(
@@ -235,6 +243,12 @@ def _with_columns(state: xr.Dataset, columns: Arrays) -> xr.Dataset:
         whole[mobile] = values
         result[name] = (state[name].dims, whole)
     return result
+
+
+def take_counts(terms: Arrays) -> Budget:
+    """Take the counts out of the columns' terms, which else are per area; their sums."""
+    names = [name for name in terms if name.startswith("temperature_")]
+    return {name: float(terms.pop(name).sum()) for name in names}
 
 
 def totals(each: Arrays) -> Budget:

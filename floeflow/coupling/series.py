@@ -40,6 +40,7 @@ PREFIX_UNITS = {
     "water_": "kg",
     "light_": "J",
     "salt_": "kg",
+    "temperature_": "1",
     "pond_": "m3",
     "remap_momentum_": "kg m s-1",
     "remap_energy": "J",

@@ -72,6 +72,9 @@ UNITS = {
     "coast_elements": ("1", "fixed coast elements"),
     "bonds": ("1", "bonds that hold"),
     "bonds_broken": ("1", "bonds broken since the start"),
+    "temperature_solves": ("1", "solves for the temperatures of a category in a step"),
+    "temperature_rescued": ("1", "solves of which the second method did"),
+    "temperature_unconverged": ("1", "solves of which ended short of their tolerance"),
     "grid_ice_area": ("m2", "ice area on the grid"),
     "grid_ice_volume": ("m3", "ice volume on the grid"),
     "grid_snow_volume": ("m3", "snow volume on the grid"),
@@ -202,8 +205,10 @@ def headline(
             numbers |= passed_sides(scalars, boundaries, name)
     if "bonds" in boundaries:
         numbers |= bond_balance(scalars, first, last)
-    gates = (str(name) for name in scalars.data_vars if str(name).startswith("gate_"))
-    numbers |= {name: float(scalars[name].sum()) for name in gates}
+    summed = [
+        str(name) for name in scalars.data_vars if str(name).startswith(("gate_", "temperature_"))
+    ]
+    numbers |= {name: float(scalars[name].sum()) for name in summed}
     return {**numbers, **dynamics_cost(costs)}
 
 

@@ -206,6 +206,12 @@ def warnings(
             ratio = budget["relative"]
             size = DASH if ratio is None else f"{number(100.0 * ratio, 2)} %"
             found.append(f"Budget open: {budget['label']}, {size} of its turnover unexplained.")
+    if numbers.get("temperature_unconverged"):
+        found.append(
+            f"{number(numbers['temperature_unconverged'])} of "
+            f"{number(numbers['temperature_solves'])} solves for the temperatures of the ice ended "
+            "short of their tolerance (temperature_unconverged in diagnostics.nc)."
+        )
     return list(dict.fromkeys(found))
 
 
@@ -232,6 +238,10 @@ def facts(numbers: Mapping[str, Any], scene: Scene) -> dict[str, list[Fact]]:
             unit, size = ("10³ km2", 1e9) if what == "area" else ("km3", 1e9)
             label = f"Ice {what} through {name.replace('_', ' ').title()}, to the right of its line"
             made["ice"].append(Fact(label, value / size, unit, f"diagnostics.nc: {key}"))
+    if numbers.get("temperature_rescued"):
+        share = 100.0 * numbers["temperature_rescued"] / numbers["temperature_solves"]
+        label = "Solves for temperatures that needed the second method"
+        made["ice"].append(Fact(label, share, "%", "diagnostics.nc: temperature_rescued"))
     for label, key, unit, source in (
         ("Mean net drift", "mean_drift_km", "km", "mean_displacement"),
         ("Net drift of the farthest element", "largest_drift_km", "km", "largest_displacement"),

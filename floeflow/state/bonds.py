@@ -14,7 +14,7 @@ from floeflow.core.errors import FloeError
 Arrays = dict[str, np.ndarray]
 
 # Side of a hexagon over the diameter of the circle inside it: how long discs touch that tile a
-# plane (liggghts_models/contact/pair_floe_sums.cpp).
+# plane (edge_share in liggghts_models/laws/ridge.h).
 EDGE_SHARE = 0.577350269189626
 
 # Columns that the plugin takes and gives, in its order (liggghts_models/capi/capi.h).

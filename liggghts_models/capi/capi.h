@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
 // C interface of the plugin for Python (floeflow/dynamics/engine/engine.py). Functions that can fail return 0 for
-// success and else 1; the sentence is then in floe_error(). All are collective unless they say
-// "local". Arrays are contiguous; columns as named here.
+// success and else 1, those that count -1; the sentence is then in floe_error(). No exception leaves
+// them. All are collective unless they say "local". Arrays are contiguous, with columns in the order
+// of floe_layout(); columns.h and contact/history.h say what each is.
 #ifndef FLOE_CAPI_H
 #define FLOE_CAPI_H
 
@@ -13,9 +14,10 @@ extern "C" {
 const char *floe_error(void);
 // Version of this interface, raised whenever a function or an array changes its meaning; Python
 // compares it and the columns when it loads the plugin (local).
-#define FLOE_INTERFACE 3
+#define FLOE_INTERFACE 4
 int floe_interface(void);
-// Columns of elements, bonds and contacts, separated by blanks, the three by semicolons (local).
+// Columns of the arrays below, separated by blanks, in parts that semicolons separate: elements, bonds,
+// contacts, and the numbers and columns of faces (local).
 const char *floe_layout(void);
 int floe_open(int argc, char **argv, void *comm, void **instance);  // comm: pointer to an MPI_Comm
 int floe_close(void *instance);
@@ -25,16 +27,14 @@ int floe_command(void *instance, const char *line);
 int floe_divide(void *instance, const double *x, const double *y);
 int floe_set_start_time(void *instance, double seconds);  // local
 
-// Elements. columns: x y theta u v omega radius mass thickness ice_area cover ridged_area, and the
-// impulses of wind (x, y) and ocean (x, y), one row per element.
+// Elements, one row each.
 int floe_create_elements(void *instance, long long n, const long long *id, const signed char *type,
                          const double *columns);
 long long floe_count_elements(void *instance);                                             // local
 int floe_get_elements(void *instance, long long *id, signed char *type, double *columns);  // local
 
-// Pairs, by (lower id, higher id), one row each. bond columns: span thickness crack_a crack_b lo_ax
-// lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by; contact columns: slip rest_overlap, then closing, thickness and
-// length of the ridge (without ridging not read, and given as 0). How much of the way between the
+// Pairs, by (lower id, higher id), one row each. Without ridging the columns of ridges are not read, and
+// given as 0. How much of the way between the
 // centres ice covers follows from the elements when pairs are put in.
 // A pair that is in no neighbour list is not taken in.
 int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, const double *bond,
@@ -43,10 +43,9 @@ int floe_count_pairs(void *instance, long long *bonds, long long *contacts);  //
 int floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
                    double *contact);  // local
 
-// Walls (after the command "fix ID all floe/walls"). Faces: integers wall plane before after, columns ax ay
-// bx by (m, at time 0) u v (m/s); see laws/wall.h. Contacts: ids element face, columns slip rest_overlap
-// and closing, thickness and length of the ridge. Impulses (N s) and forces (N) on the ice: x y of each
-// wall.
+// Walls (after the command "fix ID all floe/walls"). Faces: ends in m at time 0, velocities in m/s; see
+// laws/wall.h. Contacts: ids element face, columns as of contacts between elements. Impulses (N s) and
+// forces (N) on the ice: x y of each wall.
 int floe_set_walls(void *instance, long long walls, long long n, const long long *integers,
                    const double *columns);
 int floe_put_wall_contacts(void *instance, long long n, const long long *ids,

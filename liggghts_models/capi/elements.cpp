@@ -8,36 +8,20 @@
 #include "atom.h"
 #include "atom_vec.h"
 #include "capi.h"
+#include "columns.h"
 #include "comm.h"
 #include "domain.h"
 #include "fix_floe_integrate.h"
 #include "lammps.h"
-#include "liggghts_error.h"
-#include "plugin.h"
+#include "parts.h"
 
 using namespace LAMMPS_NS;
 
 namespace {
 
-enum Column {
-  x,
-  y,
-  theta,
-  u,
-  v,
-  omega,
-  radius,
-  mass,
-  thickness,
-  ice_area,
-  cover,
-  ridged_area,
-  wind_impulse_x,
-  wind_impulse_y,
-  ocean_impulse_x,
-  ocean_impulse_y,
-  column_count
-};
+enum Column { FLOE_ELEMENT_COLUMNS(FLOE_COLUMN) column_count };
+
+static_assert(wind_impulse_x + FixFloeIntegrate::impulse_numbers == column_count);
 
 // The part of the box that this rank owns; its upper edge belongs to the next rank.
 bool owns(const Domain *domain, const double *row) {
@@ -52,9 +36,9 @@ extern "C" {
 int floe_create_elements(void *instance, long long n, const long long *id, const signed char *type,
                          const double *columns) {
   return floe::guarded([&] {
-    auto *lmp = static_cast<LAMMPS *>(instance);
+    LAMMPS *lmp = floe::instance_of(instance);
     Atom *atom = lmp->atom;
-    FixFloeIntegrate *fix = floe::find_parts(lmp).fix;
+    FixFloeIntegrate *fix = floe::fix_of(instance);
     int own = 0;
     for (long long k = 0; k < n; ++k) own += owns(lmp->domain, columns + column_count * k);
     // At once: on its own LIGGGHTS makes room for few at a time, and moves all arrays each time.
@@ -89,14 +73,13 @@ int floe_create_elements(void *instance, long long n, const long long *id, const
 }
 
 long long floe_count_elements(void *instance) {
-  return static_cast<LAMMPS *>(instance)->atom->nlocal;
+  return floe::counted([&] { return floe::instance_of(instance)->atom->nlocal; });
 }
 
 int floe_get_elements(void *instance, long long *id, signed char *type, double *columns) {
   return floe::guarded([&] {
-    auto *lmp = static_cast<LAMMPS *>(instance);
-    const Atom *atom = lmp->atom;
-    const FixFloeIntegrate *fix = floe::find_parts(lmp).fix;
+    const Atom *atom = floe::instance_of(instance)->atom;
+    const FixFloeIntegrate *fix = floe::fix_of(instance);
     for (int i = 0; i < atom->nlocal; ++i) {
       double *row = columns + static_cast<long long>(column_count) * i;
       id[i] = atom->tag[i];

@@ -10,18 +10,18 @@
 #include "capi.h"
 #include "history.h"
 #include "lammps.h"
-#include "liggghts_error.h"
 #include "neigh_list.h"
 #include "pair_floe.h"
 #include "pair_gran.h"
-#include "plugin.h"
+#include "parts.h"
 
 using namespace LAMMPS_NS;
 namespace slot = floe::slot;
 
 namespace {
 
-constexpr int bond_columns = 12, contact_columns = 5, ridge_columns = 3;
+constexpr int bond_width = sizeof floe::bond_columns / sizeof *floe::bond_columns;
+constexpr int contact_width = sizeof floe::contact_columns / sizeof *floe::contact_columns;
 
 struct Place {
   int i, j;
@@ -29,9 +29,24 @@ struct Place {
   double *history;
 };
 
+// Throws where there are no lists of pairs yet.
+floe::Parts parts_of(void *instance) {
+  const floe::Parts parts = floe::find_parts(floe::instance_of(instance));
+  if (!parts.floe) throw floe::LiggghtsError("there is no pair_style gran model floe");
+  if (!parts.pair->list || !parts.pair->listgranhistory || !parts.floe->lists_hold()) {
+    throw floe::LiggghtsError("there are no lists of the present pairs: give `run 0` before");
+  }
+  return parts;
+}
+
+// Numbers of a contact's history: without ridging there is no room for a ridge.
+int kept_of(const floe::Parts &parts) {
+  return parts.floe->ridging ? static_cast<int>(slot::ridge_size)
+                             : static_cast<int>(slot::contact_size);
+}
+
 template <typename Visit>
-void each_pair(LAMMPS *lmp, Visit visit) {
-  const floe::Parts parts = floe::find_parts(lmp);
+void each_pair(const floe::Parts &parts, Visit visit) {
   const PairGran *pair = parts.pair;
   parts.floe->write_history();
   NeighList *list = pair->list, *past = pair->listgranhistory;
@@ -59,22 +74,6 @@ std::unordered_map<std::uint64_t, long long> rows(long long n, const long long *
   return out;
 }
 
-void put_bond(const double *row, double *h) {
-  h[slot::span] = row[0];
-  h[slot::bond_thickness] = row[1];
-  h[slot::crack_a] = row[2];
-  h[slot::crack_b] = row[3];
-  std::copy(row + 4, row + bond_columns, h + slot::lo_ax);
-}
-
-void get_bond(const double *h, double *row) {
-  row[0] = h[slot::span];
-  row[1] = h[slot::bond_thickness];
-  row[2] = h[slot::crack_a];
-  row[3] = h[slot::crack_b];
-  std::copy(h + slot::lo_ax, h + slot::lo_ax + 8, row + 4);
-}
-
 }  // namespace
 
 extern "C" {
@@ -82,31 +81,28 @@ extern "C" {
 int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, const double *bond,
                    long long contacts, const long long *contact_ids, const double *contact) {
   return floe::guarded([&] {
-    auto *lmp = static_cast<LAMMPS *>(instance);
-    const floe::Parts parts = floe::find_parts(lmp);
+    const floe::Parts parts = parts_of(instance);
+    const Atom *atom = floe::instance_of(instance)->atom;
     const auto bond_row = rows(bonds, bond_ids), contact_row = rows(contacts, contact_ids);
     const int size = parts.pair->dnum();
     parts.floe->forget_records();
-    each_pair(lmp, [&](const Place &p) {
-      const std::uint64_t pair_key = key(lmp->atom->tag[p.i], lmp->atom->tag[p.j]);
+    each_pair(parts, [&](const Place &p) {
+      const std::uint64_t pair_key = key(atom->tag[p.i], atom->tag[p.j]);
       *p.flag = 0;
       std::fill(p.history, p.history + size, 0.0);
       const auto b = bond_row.find(pair_key);
       if (b != bond_row.end()) {
         *p.flag = 1;
-        put_bond(bond + bond_columns * b->second, p.history);
+        floe::take_columns(floe::bond_columns, bond + bond_width * b->second, p.history);
         return;
       }
       const auto c = contact_row.find(pair_key);
       if (c == contact_row.end()) return;
       *p.flag = 1;
-      const double *row = contact + contact_columns * c->second;
-      p.history[slot::slip] = row[0];
-      p.history[slot::rest_overlap] = row[1];
-      if (parts.floe->ridging) {
-        std::copy(row + 2, row + contact_columns, p.history + slot::ridge_closing);
-        p.history[slot::ridge_cover] = parts.floe->cover_between(p.i, p.j);
-      }
+      double all[slot::ridge_size] = {};
+      floe::take_columns(floe::contact_columns, contact + contact_width * c->second, all);
+      all[slot::ridge_cover] = parts.floe->cover_between(p.i, p.j);
+      std::copy(all, all + kept_of(parts), p.history);
     });
     parts.floe->history_changed();
   });
@@ -114,11 +110,12 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
 
 int floe_count_pairs(void *instance, long long *bonds, long long *contacts) {
   return floe::guarded([&] {
-    auto *lmp = static_cast<LAMMPS *>(instance);
-    const bool with_bonds = floe::find_parts(lmp).floe->bonds;
+    const floe::Parts parts = parts_of(instance);
+    const Atom *atom = floe::instance_of(instance)->atom;
+    const bool with_bonds = parts.floe->bonds;
     *bonds = *contacts = 0;
-    each_pair(lmp, [&](const Place &p) {
-      if (!*p.flag || !speaks(lmp->atom, p)) return;
+    each_pair(parts, [&](const Place &p) {
+      if (!*p.flag || !speaks(atom, p)) return;
       ++(with_bonds && p.history[slot::span] != 0.0 ? *bonds : *contacts);
     });
   });
@@ -127,26 +124,24 @@ int floe_count_pairs(void *instance, long long *bonds, long long *contacts) {
 int floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
                    double *contact) {
   return floe::guarded([&] {
-    auto *lmp = static_cast<LAMMPS *>(instance);
-    const bool with_bonds = floe::find_parts(lmp).floe->bonds;
-    const bool with_ridges = floe::find_parts(lmp).floe->ridging;
-    each_pair(lmp, [&](const Place &p) {
-      if (!*p.flag || !speaks(lmp->atom, p)) return;
-      const int a = lmp->atom->tag[p.i], b = lmp->atom->tag[p.j];
+    const floe::Parts parts = parts_of(instance);
+    const Atom *atom = floe::instance_of(instance)->atom;
+    const bool with_bonds = parts.floe->bonds;
+    each_pair(parts, [&](const Place &p) {
+      if (!*p.flag || !speaks(atom, p)) return;
+      const int a = atom->tag[p.i], b = atom->tag[p.j];
       if (with_bonds && p.history[slot::span] != 0.0) {
         *bond_ids++ = std::min(a, b);
         *bond_ids++ = std::max(a, b);
-        get_bond(p.history, bond);
-        bond += bond_columns;
+        floe::give_columns(floe::bond_columns, p.history, bond);
+        bond += bond_width;
       } else {
         *contact_ids++ = std::min(a, b);
         *contact_ids++ = std::max(a, b);
-        contact[0] = p.history[slot::slip];
-        contact[1] = p.history[slot::rest_overlap];
-        for (int k = 0; k < ridge_columns; ++k) {
-          contact[2 + k] = with_ridges ? p.history[slot::ridge_closing + k] : 0.0;
-        }
-        contact += contact_columns;
+        double all[slot::ridge_size] = {};
+        std::copy(p.history, p.history + kept_of(parts), all);
+        floe::give_columns(floe::contact_columns, all, contact);
+        contact += contact_width;
       }
     });
   });

@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "capi.h"
+#include "columns.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
 #include "fix_floe_integrate.h"
+#include "history.h"
 #include "input.h"
-#include "lammps.h"
-#include "liggghts_error.h"
-#include "plugin.h"
+#include "parts.h"
 #include "sums.h"
 
 using namespace LAMMPS_NS;
@@ -32,7 +32,12 @@ std::string &last_error() {
 
 namespace {
 
-LAMMPS *lmp_of(void *instance) { return static_cast<LAMMPS *>(instance); }
+template <int Count>
+std::string names_of(const floe::PairColumn (&columns)[Count]) {
+  std::string out;
+  for (const floe::PairColumn &column : columns) out += std::string(column.name) + " ";
+  return out;
+}
 
 }  // namespace
 
@@ -43,10 +48,13 @@ const char *floe_error(void) { return floe::last_error().c_str(); }
 int floe_interface(void) { return FLOE_INTERFACE; }
 
 const char *floe_layout(void) {
-  return "x y theta u v omega radius mass thickness ice_area cover ridged_area "
-         "wind_impulse_x wind_impulse_y ocean_impulse_x ocean_impulse_y;"
-         "span thickness crack_a crack_b lo_ax lo_ay lo_bx lo_by hi_ax hi_ay hi_bx hi_by;"
-         "slip rest_overlap ridge_closing ridge_thickness ridge_length";
+  static std::string layout;
+  const int failed = floe::guarded([] {
+    layout = FLOE_ELEMENT_COLUMNS(FLOE_COLUMN_NAME) ";" + names_of(floe::bond_columns) + ";" +
+             names_of(floe::contact_columns) +
+             ";" FLOE_FACE_NUMBERS(FLOE_COLUMN_NAME) ";" FLOE_FACE_COLUMNS(FLOE_COLUMN_NAME);
+  });
+  return failed ? "" : layout.c_str();
 }
 
 int floe_open(int argc, char **argv, void *comm, void **instance) {
@@ -58,25 +66,25 @@ int floe_open(int argc, char **argv, void *comm, void **instance) {
 }
 
 int floe_close(void *instance) {
-  return floe::guarded([&] { delete lmp_of(instance); });
+  return floe::guarded([&] { delete floe::instance_of(instance); });
 }
 
 int floe_command(void *instance, const char *line) {
-  return floe::guarded([&] { lmp_of(instance)->input->one(line); });
+  return floe::guarded([&] { floe::instance_of(instance)->input->one(line); });
 }
 
 int floe_divide(void *instance, const double *x, const double *y) {
   return floe::guarded([&] {
-    Comm *comm = lmp_of(instance)->comm;
+    Comm *comm = floe::instance_of(instance)->comm;
     comm->uniform = 0;
     std::copy(x, x + comm->procgrid[0] + 1, comm->xsplit);
     std::copy(y, y + comm->procgrid[1] + 1, comm->ysplit);
-    lmp_of(instance)->domain->set_local_box();
+    floe::instance_of(instance)->domain->set_local_box();
   });
 }
 
 int floe_set_start_time(void *instance, double seconds) {
-  return floe::guarded([&] { floe::find_parts(lmp_of(instance)).fix->start_time = seconds; });
+  return floe::guarded([&] { floe::fix_of(instance)->start_time = seconds; });
 }
 
 int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, const double *time,
@@ -95,29 +103,30 @@ int floe_set_forcing(void *instance, long long nt, long long ny, long long nx, c
     grid.coriolis.assign(coriolis, coriolis + ny * nx);
     grid.over_discs = over_discs != 0;
     grid.wind_stress = wind_stress != 0;
-    floe::find_parts(lmp_of(instance)).fix->forcing = std::move(grid);
+    floe::fix_of(instance)->forcing = std::move(grid);
   });
 }
 
 int floe_set_depth(void *instance, const double *depth) {
   return floe::guarded([&] {
-    floe::ForcingGrid &grid = floe::find_parts(lmp_of(instance)).fix->forcing;
+    floe::ForcingGrid &grid = floe::fix_of(instance)->forcing;
     grid.depth.assign(depth, depth + grid.coriolis.size());
   });
 }
 
 const char *floe_sum_names(void) {
-  static const std::string names = [] {
-    std::string out;
-    for (const std::string &name : floe::sum_names()) out += (out.empty() ? "" : " ") + name;
-    return out;
-  }();
-  return names.c_str();
+  static std::string names;
+  const int failed = floe::guarded([] {
+    names.clear();
+    for (const std::string &name : floe::sum_names()) names += (names.empty() ? "" : " ") + name;
+  });
+  return failed ? "" : names.c_str();
 }
 
 int floe_sums(void *instance, double *out, int size) {
   return floe::guarded([&] {
-    const std::vector<double> all = floe::local_sums(lmp_of(instance));
+    floe::fix_of(instance);
+    const std::vector<double> all = floe::local_sums(floe::instance_of(instance));
     if (static_cast<int>(all.size()) != size) throw floe::LiggghtsError("floe_sums: wrong size");
     std::memcpy(out, all.data(), all.size() * sizeof(double));
   });
@@ -125,7 +134,7 @@ int floe_sums(void *instance, double *out, int size) {
 
 int floe_fault(void *instance, long long *integers, double *numbers) {
   return floe::guarded([&] {
-    const floe::Fault &fault = floe::find_parts(lmp_of(instance)).fix->fault;
+    const floe::Fault &fault = floe::fix_of(instance)->fault;
     const long long whole[4] = {fault.kind, fault.step, fault.id, fault.partner};
     const double real[6] = {fault.x,       fault.y,      fault.force_x,
                             fault.force_y, fault.torque, fault.speed};

@@ -187,6 +187,7 @@ void PairFloe::compute_force(PairGran *pg, int eflag, int vflag, int addflag) {
   listed_ = atom->nlocal;
   ++evaluations_;
   advance_ = pg->shearupdate() != 0;
+  check_lists();
   clear_loads(gather_bodies());
   if (stale_) read_history();
   if (deterministic) {

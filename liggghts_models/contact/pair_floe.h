@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "body.h"
@@ -112,6 +113,11 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   bool gather_bodies();
   void clear_loads(bool current);
   void make_current();
+  // How often LIGGGHTS has made lists, and the step of the last: changes whenever the pages of history
+  // may be others.
+  std::pair<std::int64_t, std::int64_t> lists_made() const;
+  // Ends the run where records of other lists than the present ones would be used.
+  void check_lists() const;
   BondShape shape_of(int number);
   BondConstants constants_at(int number);
   BondPose pose_of(int number);
@@ -149,8 +155,9 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   BondRecords bonded_;
   ContactRecords contacts_;
   std::vector<int> odd_;
-  bool advance_ = false;    // the step that is evaluated changes the history
-  bool stale_ = true;       // the records: LIGGGHTS' history holds
+  bool advance_ = false;  // the step that is evaluated changes the history
+  bool stale_ = true;     // the records: LIGGGHTS' history holds
+  std::pair<std::int64_t, std::int64_t> read_from_;  // lists_made() of the records
   int listed_ = -1;         // elements of this rank when the lists were last used; -1: not valid
   int page_ = 0, one_ = 0;  // of neigh_modify, when history was first kept
   long long evaluations_ = 0;

@@ -5,10 +5,12 @@
 #include <cstddef>
 
 #include "atom.h"
+#include "error.h"
 #include "fix_floe_integrate.h"
 #include "history.h"
 #include "modify.h"
 #include "neigh_list.h"
+#include "neighbor.h"
 #include "pair_floe.h"
 #include "pair_gran.h"
 #include "update.h"
@@ -85,10 +87,23 @@ void PairFloe::read_history() {
     }
   }
   stale_ = false;
+  read_from_ = lists_made();
+}
+
+std::pair<std::int64_t, std::int64_t> PairFloe::lists_made() const {
+  return {neighbor->ncalls, neighbor->lastcall};
+}
+
+void PairFloe::check_lists() const {
+  if (stale_ || read_from_ == lists_made()) return;
+  error->one(FLERR,
+             "new lists of neighbours were made while the pair style held records of the old ones: "
+             "whoever makes them must call lists_change() before");
 }
 
 void PairFloe::write_history() {
   if (stale_) return;
+  check_lists();
   for (int k = 0; k < bonded_.count; ++k) {
     double *h = bonded_.places[k].history;
     if (!h) continue;

@@ -25,12 +25,16 @@ void BondRecords::add(int lo, int hi, double share, const BondShape &b, const Bo
   }
   if (b.crack_a != 0.0 || b.crack_b != 0.0 || share != 1.0) plain.back() = false;
   for (int lane = k; lane < last; ++lane) {
-    const double values[BondBlock::column_count] = {b.lo_a.x, b.lo_a.y, b.lo_b.x,  b.lo_b.y,
-                                                    b.hi_a.x, b.hi_a.y, b.hi_b.x,  b.hi_b.y,
-                                                    c.length, c.ratio,  c.damping, c.squeeze};
-    for (int column = 0; column < BondBlock::column_count; ++column) {
-      blocks.back().column[column][lane & 3] = values[column];
-    }
+    using B = BondBlock;
+    const auto put = [&](B::Column column, double value) {
+      blocks.back().column[column][lane & 3] = value;
+    };
+    put(B::lo_ax, b.lo_a.x), put(B::lo_ay, b.lo_a.y);
+    put(B::lo_bx, b.lo_b.x), put(B::lo_by, b.lo_b.y);
+    put(B::hi_ax, b.hi_a.x), put(B::hi_ay, b.hi_a.y);
+    put(B::hi_bx, b.hi_b.x), put(B::hi_by, b.hi_b.y);
+    put(B::length, c.length), put(B::ratio, c.ratio);
+    put(B::damping, c.damping), put(B::squeeze, c.squeeze);
     blocks.back().lo[lane & 3] = lo;
     blocks.back().hi[lane & 3] = hi;
     rests.back().crack_a[lane & 3] = b.crack_a;

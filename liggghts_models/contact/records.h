@@ -6,6 +6,7 @@
 #ifndef FLOE_CONTACT_RECORDS_H
 #define FLOE_CONTACT_RECORDS_H
 
+#include <cstddef>
 #include <vector>
 
 #include "bond.h"
@@ -86,6 +87,11 @@ struct alignas(32) ContactRow {
 struct alignas(32) RidgeRow {
   double closing, thickness, length, limit;  // m, m, m; force at which it closes, N
 };
+
+// Batches read them as four columns in this order (contact_batch.cpp).
+static_assert(offsetof(ContactRow, slip) == 0 && offsetof(ContactRow, rest) == 8 &&
+              offsetof(ContactRow, stiffness) == 16 && offsetof(ContactRow, damping) == 24);
+static_assert(offsetof(RidgeRow, closing) == 0 && offsetof(RidgeRow, limit) == 24);
 
 // What a step moves: benchmarks/roofline.py counts with these.
 static_assert(sizeof(BondBlock) == 4 * 104 && sizeof(Ends) == 8 && sizeof(ContactRow) == 32);

@@ -31,7 +31,9 @@ class Balance(NamedTuple):
     top, bottom : float
         Flux from the surface into the layers and from the layers to the bottom, downward (W/m2).
     sweeps : int
-        Iterations; negative where the sure method took over.
+        Iterations; negative where the second method took over.
+    left : float
+        0 where the solve came to its tolerance, else the last change (K), or not a number.
     """
 
     temperature: float
@@ -40,6 +42,7 @@ class Balance(NamedTuple):
     top: float
     bottom: float
     sweeps: int
+    left: float
 
 
 @jit
@@ -75,12 +78,14 @@ def solve_temperatures(w, first, surface, bottom, light, air, exchange, dt, p):
     found = iterate(w, top, first, surface, bottom, light, air, exchange, dt, p)
     if found.sweeps < 0:
         conductances(w, top, first, p)
-        temperature, sweeps = newton(w, top, first, surface, bottom, light, air, exchange, dt, p)
+        temperature, sweeps, left = newton(
+            w, top, first, surface, bottom, light, air, exchange, dt, p
+        )
         net, _, latent, _ = surface_balance(temperature, light, air, exchange[0], exchange[1], p)
         into = net
         if temperature >= 0.0:
             into = min(net, -w.conductance[top] * w.temperature[top])
-        found = Balance(temperature, net, latent, into, 0.0, -sweeps)
+        found = Balance(temperature, net, latent, into, 0.0, -sweeps, left)
     return closed(w, top, found, dt)
 
 
@@ -91,7 +96,9 @@ def closed(w, top, found, dt):
     for k in range(top, w.thickness.size):
         gain = w.thickness[k] * (w.enthalpy[k] - w.first_enthalpy[k]) / dt
         rest += w.source[k] - gain
-    return Balance(found.temperature, found.net, found.latent, found.top, rest, found.sweeps)
+    # Heat that is not a number must not pass for a solution.
+    left = found.left + 0.0 * rest
+    return Balance(found.temperature, found.net, found.latent, found.top, rest, found.sweeps, left)
 
 
 @jit
@@ -141,7 +148,7 @@ def iterate(w, top, first, surface, bottom, light, air, exchange, dt, p):
             steady = False
         if surface < 0.0:
             into = net
-        found = Balance(surface, net, latent, into, 0.0, sweep)
+        found = Balance(surface, net, latent, into, 0.0, sweep, 0.0)
         through = w.conductance[w.thickness.size] * (w.temperature[-1] - bottom) + excess / dt
         error = abs(closed(w, top, found, dt).bottom - through)
         if error > p.flux_tolerance:
@@ -150,7 +157,7 @@ def iterate(w, top, first, surface, bottom, light, air, exchange, dt, p):
         if steady:
             return found
         last_change = change
-    return Balance(surface, 0.0, 0.0, 0.0, 0.0, -1)
+    return Balance(surface, 0.0, 0.0, 0.0, 0.0, -1, 0.0)
 
 
 @jit

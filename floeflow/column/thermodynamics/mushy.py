@@ -25,7 +25,6 @@ from floeflow.column.thermodynamics.mush import (
 from floeflow.column.thermodynamics.profile import conductances
 
 LEAST_SALINITY = 0.01  # 1e-3
-SWEEPS = 100
 
 
 @jit
@@ -82,8 +81,9 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, po
     advected += sinks * brine_enthalpy(w.temperature[z - 1], p)
     salt = desalinate(w, first, sea_salinity, sinks, dt)
     found = Balance(
-        min(found.temperature, 0.0), found.net, found.latent, found.top, rest - advected, sweeps
-    )
+        min(found.temperature, 0.0), found.net, found.latent, found.top, rest - advected, sweeps,
+        found.left,
+    )  # fmt: skip
     return found, advected, salt, sinks
 
 
@@ -111,7 +111,7 @@ def settle_surface(w, top, cold, surface, light, air, exchange, p):
     change, sweeps = 1.0, 0
     net = latent = 0.0
     conducts = w.conductance[top]
-    while change > p.surface_tolerance and sweeps < SWEEPS:
+    while change > p.surface_tolerance and sweeps < p.mush_iterations:
         sweeps += 1
         net, slope, latent, latent_slope = surface_balance(
             surface, light, air, exchange[0], exchange[1], p
@@ -125,7 +125,8 @@ def settle_surface(w, top, cold, surface, light, air, exchange, p):
             change = abs(step)
             net, latent = net + slope * step, latent + latent_slope * step
     into = net if cold else conducts * (surface - w.right[1] - w.lower[1] * surface)
-    return Balance(surface, net, latent, into, 0.0, sweeps)
+    left = 0.0 if change <= p.surface_tolerance else change
+    return Balance(surface, net, latent, into, 0.0, sweeps, left + 0.0 * w.right[1])
 
 
 @jit

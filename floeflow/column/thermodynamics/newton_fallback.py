@@ -8,7 +8,7 @@ couples neighbours with the right signs. Newton's method on such a system comes 
 solution from above after one step, from wherever it starts (Ortega and Rheinboldt 1970),
 steps growing quadratically smaller. Layers that end above their melting point are cut there;
 the energy cut goes to the bottom, as in `bl99`. It serves where the iteration of `bl99` does not
-converge, and is counted.
+converge, and is counted; so is where it does not come to its tolerance either.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from floeflow.column.thermodynamics.boundary_layer import surface_balance
 from floeflow.column.thermodynamics.enthalpy import ice_enthalpy, snow_enthalpy
 from floeflow.column.thermodynamics.tridiagonal import fill_layer, fill_surface, solve
 
-STEPS = 200
 TOLERANCE = 1e-9  # K
 STEEP = 1000.0  # slope of enthalpy above the melting point, over the one below
 BARRIER = 1e8  # W/m2/K: slope of the surface's losses above melting
@@ -26,16 +25,17 @@ BARRIER = 1e8  # W/m2/K: slope of the surface's losses above melting
 
 @jit
 def newton(w, top, first, surface, bottom, light, air, exchange, dt, p):
-    """Temperatures and enthalpies after dt; returns the surface's temperature and the steps.
+    """Temperatures and enthalpies after dt; surface temperature, steps, and what is left (K).
 
-    Arguments as `bl99.solve_temperatures`; ``top`` is the uppermost layer that counts.
+    Arguments as `bl99.solve_temperatures`; ``top`` is the uppermost layer that counts. What is left
+    is 0 where the temperatures stand still, else their last change, or not a number.
     """
     z = w.thickness.size
     for layer in range(top, z):
         w.temperature[layer] = w.first_temperature[layer]
     steps = 0
     change = 1.0
-    while change > TOLERANCE and steps < STEPS:
+    while change > TOLERANCE and steps < p.fallback_iterations:
         steps += 1
         melting = min(surface, 0.0)
         net, slope, _, _ = surface_balance(melting, light, air, exchange[0], exchange[1], p)
@@ -54,13 +54,18 @@ def newton(w, top, first, surface, bottom, light, air, exchange, dt, p):
             new = w.solution[layer - top + 1]
             change = max(change, abs(new - w.temperature[layer]))
             w.temperature[layer] = new
+    left = 0.0 if change <= TOLERANCE else change
+    for layer in range(top, z):
+        # Comparisons pass over what is not a number; a sum does not.
+        left += 0.0 * w.temperature[layer]
+    left += 0.0 * surface
     for layer in range(top, z):
         w.temperature[layer] = min(w.temperature[layer], w.melting[layer])
         if layer < first:
             w.enthalpy[layer] = snow_enthalpy(w.temperature[layer], p)
         else:
             w.enthalpy[layer] = ice_enthalpy(w.temperature[layer], w.melting[layer], p)
-    return min(surface, 0.0), steps
+    return min(surface, 0.0), steps, left
 
 
 @jit

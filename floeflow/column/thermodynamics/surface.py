@@ -13,6 +13,7 @@ import numpy as np
 
 from floeflow.column.params import ColumnParams
 from floeflow.column.state import Array, ColumnForcing
+from floeflow.column.unsolved import LARGEST_LEFT, UnsolvedError
 from floeflow.core.constants import GAS_AIR, HEAT_AIR, STEFAN_BOLTZMANN
 
 MAX_ITERATIONS = 60
@@ -167,6 +168,11 @@ def balance(
         Flux left for melting at the top (W/m2), zero below melting.
     fluxes : SurfaceFluxes
         At that temperature.
+
+    Raises
+    ------
+    UnsolvedError
+        Where temperatures still change when the iterations end, or are not numbers.
     """
     top, bottom = params.melting_temperature, params.freezing_temperature
 
@@ -176,7 +182,7 @@ def balance(
     melting = fluxes_at(np.full_like(first, top)).net + conductance * (bottom - top)
     melts = melting > 0.0
     temperature = np.where(melts, top, np.clip(first, COLDEST, top))
-    done = melts
+    done, near = melts, melts
     for _ in range(MAX_ITERATIONS):
         if done.all():
             break
@@ -186,5 +192,9 @@ def balance(
         new = np.where(done, temperature, np.clip(temperature + change, COLDEST, top))
         # A column stops by itself, so that its bits do not depend on its neighbours in the slice.
         done = done | (np.abs(new - temperature) < TOLERANCE)
+        near = done | (np.abs(new - temperature) <= LARGEST_LEFT)
         temperature = new
+    if not near.all():
+        rows = np.flatnonzero(~near.all(axis=1))
+        raise UnsolvedError(rows, len(near), LARGEST_LEFT)
     return temperature, np.where(melts, melting, 0.0), fluxes_at(temperature)

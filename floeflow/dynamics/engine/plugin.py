@@ -9,6 +9,7 @@ import functools
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -18,16 +19,26 @@ from floeflow.core.errors import FloeError
 from floeflow.core.plugin import plugin_path
 from floeflow.dynamics.engine.tables import COLUMNS as ELEMENT_COLUMNS
 from floeflow.state.bonds import BOND_COLUMNS, CONTACT_COLUMNS, RIDGE_COLUMNS
+from floeflow.state.walls import FACE_COLUMNS, FACE_NUMBERS
 
 _INTEGERS = ndpointer(np.int64, flags="C_CONTIGUOUS")
 _NUMBERS = ndpointer(np.float64, flags="C_CONTIGUOUS")
 _TYPES = ndpointer(np.int8, flags="C_CONTIGUOUS")
 _COUNT = ctypes.c_longlong
 _COUNTED = ctypes.POINTER(ctypes.c_longlong)
-# Result of a function that fails where something is wrong in the plugin itself.
-_DONE = object()
+# Results of functions that fail where something is wrong in the plugin itself: 0 for success, and a
+# count, which is below 0 then.
+_DONE, _NUMBER = object(), object()
 # Version of the plugin's C interface (FLOE_INTERFACE in liggghts_models/capi/capi.h).
-INTERFACE = 3
+INTERFACE = 4
+# Columns of the arrays that go in and out, as the plugin must have them (`floe_layout`).
+LAYOUT = {
+    "elements": ELEMENT_COLUMNS,
+    "bonds": BOND_COLUMNS,
+    "contacts": (*CONTACT_COLUMNS, *RIDGE_COLUMNS),
+    "numbers of faces": FACE_NUMBERS,
+    "faces": FACE_COLUMNS,
+}
 _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "floe_error": (ctypes.c_char_p, []),
     "floe_interface": (ctypes.c_int, []),
@@ -49,7 +60,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
         ctypes.c_int,
         [ctypes.c_void_p, _COUNT, _INTEGERS, _TYPES, _NUMBERS],
     ),
-    "floe_count_elements": (_COUNT, [ctypes.c_void_p]),
+    "floe_count_elements": (_NUMBER, [ctypes.c_void_p]),
     "floe_get_elements": (_DONE, [ctypes.c_void_p, _INTEGERS, _TYPES, _NUMBERS]),
     "floe_put_pairs": (
         ctypes.c_int,
@@ -65,7 +76,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
         [ctypes.c_void_p, _COUNT, _COUNT, _INTEGERS, _NUMBERS],
     ),
     "floe_put_wall_contacts": (ctypes.c_int, [ctypes.c_void_p, _COUNT, _INTEGERS, _NUMBERS]),
-    "floe_count_wall_contacts": (_COUNT, [ctypes.c_void_p]),
+    "floe_count_wall_contacts": (_NUMBER, [ctypes.c_void_p]),
     "floe_get_wall_contacts": (_DONE, [ctypes.c_void_p, _INTEGERS, _NUMBERS]),
     "floe_wall_forces": (_DONE, [ctypes.c_void_p, _NUMBERS, _NUMBERS]),
     "floe_set_forcing": (
@@ -104,9 +115,9 @@ def load_plugin() -> ctypes.CDLL:
                 f"The LIGGGHTS plugin {path} does not fit this FloeFlow, it has no {name}: "
                 "`make setup` builds it anew."
             )
-        function.restype = ctypes.c_int if result is _DONE else result
+        function.restype = {_DONE: ctypes.c_int, _NUMBER: _COUNT}.get(result, result)
         function.argtypes = arguments
-        if result is _DONE:
+        if result in (_DONE, _NUMBER):
             function.errcheck = _raise_if_failed(library)
     _check_layout(library, path)
     return library
@@ -115,24 +126,30 @@ def load_plugin() -> ctypes.CDLL:
 def _raise_if_failed(library: ctypes.CDLL) -> Callable[[int, object, tuple[object, ...]], int]:
     """Result check of functions that fail only where the plugin is at fault."""
 
-    def check(failed: int, _function: object, _arguments: tuple[object, ...]) -> int:
-        if failed:
+    def check(result: int, function: Any, _arguments: tuple[object, ...]) -> int:
+        if result < 0 if function.restype is _COUNT else result:
             raise FloeError(f"The LIGGGHTS plugin failed: {library.floe_error().decode()}")
-        return failed
+        return result
 
     return check
 
 
 def _check_layout(library: ctypes.CDLL, path: Path) -> None:
     """Refuse a plugin whose arrays mean something else than they mean here."""
-    layout = [tuple(part.split()) for part in library.floe_layout().decode().split(";")]
-    here = [ELEMENT_COLUMNS, BOND_COLUMNS, (*CONTACT_COLUMNS, *RIDGE_COLUMNS)]
     version = int(library.floe_interface())
-    if version != INTERFACE or layout != here:
+    if version != INTERFACE:
         raise FloeError(
             f"The LIGGGHTS plugin {path} does not fit this FloeFlow, its interface is number "
-            f"{version} and not {INTERFACE}, or its columns differ: `make setup` builds it anew."
+            f"{version} and not {INTERFACE}: `make setup` builds it anew."
         )
+    parts = [tuple(part.split()) for part in library.floe_layout().decode().split(";")]
+    for k, (what, names) in enumerate(LAYOUT.items()):
+        found = parts[k] if k < len(parts) else ()
+        if found != names:
+            raise FloeError(
+                f"The LIGGGHTS plugin {path} does not fit this FloeFlow, its columns of {what} are "
+                f"'{' '.join(found)}' and not '{' '.join(names)}': `make setup` builds it anew."
+            )
 
 
 @contextlib.contextmanager

@@ -20,6 +20,7 @@ from floeflow.column.state import (
 )
 from floeflow.column.thermodynamics import surface, zero_layer
 from floeflow.column.thermodynamics.surface import balance, saturation, surface_fluxes
+from floeflow.column.unsolved import UnsolvedError
 from floeflow.column.window import advance_window
 from floeflow.core.constants import STEFAN_BOLTZMANN
 from floeflow.core.errors import FloeError
@@ -126,6 +127,17 @@ def test_surface_balance_is_solved(flux):
         np.abs(fluxes.net + below - excess), 1e-8 + 1e-13 * 273 * conductance
     )
     assert ((excess == 0) | (t == PARAMS.melting_temperature)).all()
+
+
+def test_a_surface_without_balance_stops_the_run(monkeypatch):
+    before = columns([2.0, 1.0])
+    with monkeypatch.context() as stuck:
+        stuck.setattr(surface, "MAX_ITERATIONS", 1)
+        with pytest.raises(UnsolvedError, match="in 2 of 2 columns, first in column 0"):
+            step(before, weather(2), 3600.0, PARAMS)
+    before.surface_temperature[1] = np.nan
+    with pytest.raises(UnsolvedError, match="in 1 of 2 columns, first in column 1"):
+        step(before, weather(2), 3600.0, PARAMS)
 
 
 def test_flux_slope_is_the_derivative():

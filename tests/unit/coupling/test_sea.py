@@ -3,12 +3,17 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
 from mpi4py import MPI
 
 from floeflow.column.settings import column_settings
+from floeflow.column.unsolved import UnsolvedError
+from floeflow.core.errors import FloeError
+from floeflow.coupling import columns as coupling_columns
 from floeflow.coupling.columns import advance_columns, totals
 from floeflow.coupling.gates import far_share, gate_fluxes
 from floeflow.coupling.initial import make_state
@@ -25,8 +30,9 @@ from floeflow.coupling.sea.water import (
     relax_heat,
     with_water,
 )
-from floeflow.coupling.series import volumes
+from floeflow.coupling.series import series_dataset, volumes
 from floeflow.coupling.window_end import end_at_sea
+from floeflow.dynamics.motion import Motion
 from floeflow.packings.packing import make_packing
 from floeflow.scene.load import build_scene
 from floeflow.state.elements import element_arrays
@@ -182,6 +188,32 @@ def test_heat_salt_and_water_of_ice_and_sea_close(scheme: str):
     assert float(last["area"].sum()) + last.attrs["unclaimed_water"] == pytest.approx(
         float(first["area"].sum()) + first.attrs["unclaimed_water"], rel=1e-12
     )
+
+
+@pytest.mark.parametrize("scheme", ["bl99", "mushy"])
+def test_solves_for_temperatures_are_counts_of_the_window(scheme: str):
+    scene, state, places = pool(scheme)
+    cold, area, hours = weather(scene, 250.0), state["area"].values, (0.0, 7200.0)
+    _, each, terms, _ = advance_columns(MPI.COMM_SELF, scene, state, cold, hours, area, places)
+    # Of each category with ice in each step of an hour, whatever the areas.
+    assert 0 < terms["temperature_solves"] < 2 * 3 * 200
+    assert terms["temperature_solves"].is_integer() and terms["temperature_unconverged"] == 0
+    assert not [name for name in each if name.startswith("temperature_")]
+    data = series_dataset(Motion(state), terms, 0.0)
+    assert data["temperature_rescued"].attrs["units"] == "1"
+
+
+def test_a_column_without_a_solution_stops_the_run_and_names_the_place(monkeypatch):
+    scene, state, places = pool()
+
+    def stuck(*_):
+        raise UnsolvedError(np.array([2, 4]), 30, 1e-3)
+
+    monkeypatch.setattr(coupling_columns, "advance_slice", stuck)
+    x, y = (state[name].values[state["type"].values == 1][2] for name in "xy")
+    place = re.escape(f"in 2 of 30 columns, first in the one at ({x:.6g}, {y:.6g}) m: they still")
+    with pytest.raises(FloeError, match=place):
+        windows(scene, state, places, weather(scene, 250.0), 1)
 
 
 def test_warm_water_does_not_freeze_before_it_is_cold():

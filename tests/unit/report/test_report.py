@@ -16,7 +16,7 @@ from floeflow.diagnostics.run_cost import stages, total_seconds
 from floeflow.report.report import read_numbers, render
 from floeflow.report.report_text import duration, number, scene_keys, with_unit
 from floeflow.report.study_page import Study, Table, draw, write_study
-from floeflow.report.summary import warnings
+from floeflow.report.summary import facts, warnings
 from floeflow.scene.effects import EFFECTS
 from floeflow.state import read_dataset, read_state, write_state
 from support.pages import report_of
@@ -208,6 +208,18 @@ def test_water_that_cannot_freeze_is_told(run: Run, effects: tuple[str, ...], to
     numbers = {"unclaimed_water_end": 1.0e11, "ocean_area": 1.0e12}
     line = "10 % of the sea at the end belongs to no element and makes no ice."
     assert (line in warnings(scene, [], numbers, [])) == told
+
+
+def test_solves_that_did_not_converge_are_told(run: Run):
+    solved = {"temperature_solves": 2000.0, "temperature_rescued": 50.0}
+    clean = {**solved, "temperature_unconverged": 0.0}
+    assert warnings(run.scene, [], clean, []) == warnings(run.scene, [], {}, [])
+    said = warnings(run.scene, [], {**clean, "temperature_unconverged": 7.0}, [])
+    assert any(line.startswith("7 of 2,000 solves for the temperatures") for line in said)
+    moved = dict.fromkeys(("mean_drift_km", "largest_drift_km", "mean_speed", "largest_speed"), 0.0)
+    (fact,) = facts({**moved, **clean}, run.scene)["ice"]
+    assert (fact.value, fact.unit) == (2.5, "%")
+    assert facts({**moved, **clean, "temperature_rescued": 0.0}, run.scene)["ice"] == []
 
 
 def test_budgets_state_residual_verdict_and_thresholds(page: Page):
