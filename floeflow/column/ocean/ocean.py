@@ -103,8 +103,9 @@ def mix(sea, freezing, open_water, light, air, heat, deep, depth, dt, p):
     store = p.heat_water * p.water_density * depth / dt
     net, latent = sea_balance(sea, light, air, p)
     sea += (net * open_water + heat) / store
-    if sea <= freezing and deep < 0.0:
-        deep = 0.0
+    if deep < 0.0:
+        # Warm water is mixed down; where there is none left, none is, and no ice is made of it.
+        deep = max(deep, min(freezing - sea, 0.0) * store)
     sea += deep / store
     potential = (freezing - sea) * store
     potential = min(max(potential, -p.largest_potential), p.largest_potential)

@@ -104,7 +104,9 @@ def mix(sea: Sea, heat: Array, deep: Array, dt: float, params: ColumnParams) -> 
     """
     capacity, freezing = heat_capacity(params), params.freezing_temperature
     temperature = sea.temperature + heat / capacity
-    taken = np.where((temperature <= freezing) & (deep < 0.0), 0.0, deep) * dt
+    # Warm water is mixed down; where there is none left, none is, and no ice is made of it.
+    most = np.minimum(freezing - temperature, 0.0) * capacity
+    taken = np.where(deep < 0.0, np.maximum(deep * dt, most), deep * dt)
     temperature = temperature + taken / capacity
     lacking = (freezing - temperature) * capacity
     pending = np.clip(lacking, 0.0, OCEAN.largest_potential * dt)

@@ -95,6 +95,20 @@ def test_any_set_of_processes_keeps_its_budgets(scheme, categories, processes):
         columns = after
 
 
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_heat_that_goes_down_freezes_no_sea_under_the_sun(scheme):
+    settings = Settings(scheme=scheme, processes=ALL)
+    columns = start(settings, [0.6, 0.95], [0.8, 1.5])
+    for down in (80.0, 150.0):
+        sample = weather(WARM | {"ocean_heat_flux": -down}, settings, 2)
+        after, terms = advance_columns(columns, sample, (0.0, 3 * DAY), settings)
+        check(columns, after, terms, 3 * DAY)
+        assert (terms["growth_new_ice"] == 0).all()
+        # It takes what the sun brings to open water: less melts than without.
+        still = advance_columns(columns, weather(WARM, settings, 2), (0.0, 3 * DAY), settings)[1]
+        assert (still["growth_melt_base"] < terms["growth_melt_base"]).all()
+
+
 @pytest.mark.parametrize("light", ["ccsm3", "delta_eddington"])
 @pytest.mark.parametrize("scheme", ["bl99", "mushy"])
 def test_ponds_keep_their_water(scheme, light):
