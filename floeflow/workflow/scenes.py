@@ -14,7 +14,6 @@ import json
 import os
 import sys
 import tempfile
-import time
 import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -28,7 +27,7 @@ from floeflow.analysis.studies.plans import study_variants
 from floeflow.analysis.studies.variants import variant_scene
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
-from floeflow.core.lock import claim_scene, clear_stale_locks, join_run
+from floeflow.core.lock import claim_scene, clear_stale_locks, join_run, run_id
 from floeflow.core.mesh_check import check_mesh_file
 from floeflow.core.plugin import plugin_path
 from floeflow.scene import Scene
@@ -115,7 +114,6 @@ class Scenes:
         self._limits: dict[str, int | None] = {}
         self._main = bool(workflow.is_main_process)
         self._workflow = workflow
-        self._begun = time.time()
         looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
         self._writes = self._main and not (workflow.output_settings.dryrun or looking)
         with refused_in_a_sentence("the scene"):
@@ -220,8 +218,7 @@ class Scenes:
 
     def say_faults(self) -> None:
         """Say last, and once, what jobs could not do."""
-        # File systems keep times to a second.
-        told = take_faults(RESULTS, self._begun - 1.0)
+        told = take_faults(RESULTS, run_id())
         say_last(told or [UNKNOWN.format(RESULTS / self.default / "log")])
 
     def _read(self, name: str) -> Run:
