@@ -35,6 +35,7 @@ from floeflow.scene.checks import scene_warnings
 from floeflow.scene.hashes import chain_hash, stage_hash
 from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
+from floeflow.workflow.clock import check_clock, clock_sentence
 from floeflow.workflow.faults import UNKNOWN, say_last, take_faults
 from floeflow.workflow.foreign_results import check_results
 from floeflow.workflow.input_guard import check_inputs
@@ -219,7 +220,8 @@ class Scenes:
     def say_faults(self) -> None:
         """Say last, and once, what jobs could not do."""
         told = take_faults(RESULTS, run_id())
-        say_last(told or [UNKNOWN.format(RESULTS / self.default / "log")])
+        folder = RESULTS / self.default
+        say_last(told or [clock_sentence(folder) or UNKNOWN.format(folder / "log")])
 
     def _read(self, name: str) -> Run:
         folder = RESULTS / name
@@ -245,6 +247,7 @@ class Scenes:
                 check_mesh_file(Path(scene.walls.mesh))
             check_inputs(scene, self._passed, self._writes)
             if self._writes:
+                check_clock(RESULTS / name)
                 # Held until the process ends.
                 claim_scene(RESULTS / name)
                 clear_stale_locks(RESULTS / name)

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The workflow of one machine, started inside of an allocation: in a step of srun, in a batch job."""
+"""The workflow of one machine, started inside of an allocation, as a step of it."""
 
 from __future__ import annotations
 
-import shlex
 import subprocess
 
 import pytest
@@ -18,22 +17,15 @@ TARGET = "results/smoke/state/0003.nc"
 PATIENCE = 600  # s
 
 
-@pytest.mark.parametrize("start", ["srun", "sbatch"])
-def test_its_ranks_start_inside_of_an_allocation(smoke: Done, undone, start: str):
-    """On one task of two cores: a launcher that counts tasks, or asks Slurm for a step, would not."""
+def test_its_ranks_start_inside_of_a_step(smoke: Done, undone):
+    """On one task of two cores, where a step that mpirun asks Slurm for would wait for ever."""
     cluster = undone()
     place = cluster.place
-    run = place.command(smoke.scene, 2, TARGET)
     limits = ["--ntasks=1", "--cpus-per-task=2", "--time=20", f"--chdir={place.folder}"]
-    if start == "srun":
-        command = ["srun", *limits, *run]
-    else:
-        output = f"--output={place.folder}/said.txt"
-        command = ["sbatch", "--wait", *limits, output, f"--wrap={shlex.join(run)}"]
+    command = ["srun", *limits, *place.command(smoke.scene, 2, TARGET)]
     done = subprocess.run(
         command, check=False, env=cluster.slurm.environment, timeout=PATIENCE, **STREAMS
     )
-    said = place.folder / "said.txt"
-    assert done.returncode == 0, said.read_text() if said.is_file() else done.stdout
+    assert done.returncode == 0, done.stdout
     ends = [read_state(results / "state/0003.nc") for results in (place.results(), smoke.results)]
     assert bits(place.results()) == bits(smoke.results) and digest(ends[0]) == digest(ends[1])
