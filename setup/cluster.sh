@@ -28,7 +28,9 @@ if [[ $(id -u) != 0 || ${NO_APT:-} == 1 ]] || ! command -v apt-get >/dev/null; t
     exit 0
 fi
 say "installs for the cluster tests: ${missing[*]}"
-install=(env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 install --yes
-    --no-install-recommends "${missing[@]}")
-"${install[@]}" >/dev/null 2>&1 || { apt-get -qq update && "${install[@]}" >/dev/null; } ||
+# A mirror that does not answer must not hold the tests up.
+apt=(env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300
+    -o Acquire::http::Timeout=20 -o Acquire::https::Timeout=20 -o Acquire::Retries=1)
+install=("${apt[@]}" install --yes --no-install-recommends "${missing[@]}")
+"${install[@]}" >/dev/null 2>&1 || { "${apt[@]}" update && "${install[@]}" >/dev/null; } ||
     say "'apt-get install ${missing[*]}' failed (its words are above): cluster tests will skip."

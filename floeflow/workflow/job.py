@@ -26,6 +26,8 @@ from floeflow.workflow.faults import leave_fault
 
 # A window of a small scene writes less than this.
 LEAST_ROOM_MB = 20
+# Words for mpirun: all ranks start here, whatever nodes and tasks Slurm knows of.
+ALONE = ("--mca", "plm", "isolated", "--mca", "ras", "^slurm")
 
 
 class Snakemake(Protocol):
@@ -114,13 +116,14 @@ def scene_of(snakemake: Snakemake) -> Scene:
 def launcher_of(snakemake: Snakemake) -> tuple[tuple[str, ...], int]:
     """Words that start MPI programs, and the number of ranks.
 
-    On one machine that is ``mpirun`` with the rule's threads. On a cluster the profile sets the
+    On one machine that is ``mpirun`` with the rule's threads. In a job of Slurm it asks for no
+    step: that would wait for ever inside of another one. On a cluster the profile sets the
     resource ``mpi``, and the ranks are the job's ``tasks``, which may lie on several nodes.
     """
     mpi = str(snakemake.resources.get("mpi") or "")
     if mpi:
         return tuple(shlex.split(mpi)), int(snakemake.resources.get("tasks"))
-    return ("mpirun",), snakemake.threads
+    return ("mpirun", *(ALONE if "SLURM_JOB_ID" in os.environ else ())), snakemake.threads
 
 
 def scene_folder(snakemake: Snakemake) -> Path:

@@ -14,7 +14,6 @@ import json
 import os
 import sys
 import tempfile
-import time
 import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -28,7 +27,7 @@ from floeflow.analysis.studies.plans import study_variants
 from floeflow.analysis.studies.variants import variant_scene
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
-from floeflow.core.lock import claim_scene, clear_stale_locks, join_run
+from floeflow.core.lock import claim_scene, clear_stale_locks, join_run, run_id
 from floeflow.core.mesh_check import check_mesh_file
 from floeflow.core.plugin import plugin_path
 from floeflow.scene import Scene
@@ -36,6 +35,7 @@ from floeflow.scene.checks import scene_warnings
 from floeflow.scene.hashes import chain_hash, stage_hash
 from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
+from floeflow.workflow.clock import check_clock, clock_sentence
 from floeflow.workflow.faults import UNKNOWN, say_last, take_faults
 from floeflow.workflow.foreign_results import check_results
 from floeflow.workflow.input_guard import check_inputs
@@ -115,7 +115,6 @@ class Scenes:
         self._limits: dict[str, int | None] = {}
         self._main = bool(workflow.is_main_process)
         self._workflow = workflow
-        self._begun = time.time()
         looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
         self._writes = self._main and not (workflow.output_settings.dryrun or looking)
         with refused_in_a_sentence("the scene"):
@@ -220,9 +219,9 @@ class Scenes:
 
     def say_faults(self) -> None:
         """Say last, and once, what jobs could not do."""
-        # File systems keep times to a second.
-        told = take_faults(RESULTS, self._begun - 1.0)
-        say_last(told or [UNKNOWN.format(RESULTS / self.default / "log")])
+        told = take_faults(RESULTS, run_id())
+        folder = RESULTS / self.default
+        say_last(told or [clock_sentence(folder) or UNKNOWN.format(folder / "log")])
 
     def _read(self, name: str) -> Run:
         folder = RESULTS / name
@@ -248,6 +247,7 @@ class Scenes:
                 check_mesh_file(Path(scene.walls.mesh))
             check_inputs(scene, self._passed, self._writes)
             if self._writes:
+                check_clock(RESULTS / name)
                 # Held until the process ends.
                 claim_scene(RESULTS / name)
                 clear_stale_locks(RESULTS / name)

@@ -15,6 +15,7 @@ from support.kills import start_over
 from support.runner import Done, make_place
 from support.slurm import Cluster, PrivateSlurm
 
+PROGRAMS = ("slurmctld", "slurmd", "munged", "sbatch", "srun")
 PLUGINS = ("snakemake_executor_plugin_slurm", "snakemake_executor_plugin_cluster_generic")
 
 
@@ -23,8 +24,12 @@ def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PrivateSlurm]:
     """Two nodes of two cores; skipped, with the reason, where it cannot be."""
     if os.getuid() != 0:
         pytest.skip("a private Slurm must be started as root")
-    if not shutil.which("slurmctld", path=f"{os.environ['PATH']}:/usr/sbin"):
-        pytest.skip("Slurm is not installed (make test-cluster installs it where it can)")
+    places = f"{os.environ['PATH']}:/usr/sbin"
+    if missing := [name for name in PROGRAMS if not shutil.which(name, path=places)]:
+        pytest.skip(
+            f"Slurm is not installed, there is no {', '.join(missing)} (make test-cluster installs "
+            "it where it can)"
+        )
     if missing := [name for name in PLUGINS if not importlib.util.find_spec(name)]:
         pytest.skip(f"Snakemake lacks {', '.join(missing)} (make setup-cluster)")
     started = PrivateSlurm(tmp_path_factory.mktemp("slurm"))

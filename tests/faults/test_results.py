@@ -6,6 +6,8 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
+import time
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ from floeflow.coupling.origin import provenance, window_keys
 from floeflow.scene import Scene, parse_scene
 from floeflow.state import write_dataset
 from floeflow.workflow import input_guard
+from floeflow.workflow.clock import check_clock
 from floeflow.workflow.foreign_results import check_results
 from floeflow.workflow.library import check_made_with, library_digest, made_with
 from unit.state.test_state import a_state
@@ -95,3 +98,17 @@ def test_a_pipe_is_no_mask(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     mine = parse_scene(b"effects: [wind]\nmask: {file: pipe.nc, land: none}\n", "a")
     with pytest.raises(FloeError, match="pipe.nc: is no file, but a pipe or a device"):
         input_guard.check_inputs(mine, set(), remember=False)
+
+
+def test_results_of_tomorrow_are_refused_until_they_have_a_time_of_today(scene: Scene):
+    """Snakemake would remove what windows made, as older than the state they began with."""
+    leave_state(scene, {})
+    folder = STATE.parents[1]
+    check_clock(folder)
+    tomorrow = time.time() + 86400.0
+    os.utime(STATE, (tomorrow, tomorrow))
+    with pytest.raises(FloeError, match="0001.nc: is newer than the clock") as refusal:
+        check_clock(folder)
+    subprocess.run(["bash", "-c", str(refusal.value).partition(" with ")[2]], check=True)
+    check_clock(folder)
+    check_results(scene, folder, ["0001"])

@@ -34,6 +34,6 @@ rule windows:
         made_with=made_with,
         windows=chunk_windows,
     message:
-        "Windows {params.windows[0]} to {wildcards.chunk}: dynamics and column on {threads} ranks"
+        "Windows {params.windows[0]} to {wildcards.chunk}: dynamics and column"
     script:
         "../../simulate/windows.py"

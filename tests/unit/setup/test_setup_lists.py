@@ -58,18 +58,63 @@ def test_lint_of_the_workflow_tolerates_one_finding() -> None:
     assert module.intolerable(other) == ["rule mask (line 3, Snakefile): No log directive defined"]
 
 
-def test_ci_runs_make_test_and_passes_its_exit_code_on(tmp_path: Path) -> None:
-    make = tmp_path / "bin/make"
+TARGETS = ("test", "test-cluster", "test-browser")
+
+
+@pytest.mark.parametrize("failing", [*TARGETS, "none"])
+def test_ci_runs_its_targets_in_order_and_passes_an_exit_code_on(
+    tmp_path: Path, failing: str
+) -> None:
+    make, called = tmp_path / "bin/make", tmp_path / "called"
     make.parent.mkdir()
-    make.write_text(f'#!/bin/sh\necho "$PWD: make $*" >"{tmp_path}/called"\nexit 7\n')
+    make.write_text(f'#!/bin/sh\necho "$PWD: make $*" >>"{called}"\ntest "$*" != {failing}\n')
     make.chmod(0o755)
     run = subprocess.run(
         ["bash", ROOT / ".ci/run"],
         cwd=tmp_path,
         env=os.environ | {"PATH": f"{make.parent}:{os.environ['PATH']}"},
     )
-    assert run.returncode == 7
-    assert (tmp_path / "called").read_text() == f"{ROOT}: make test\n"
+    assert run.returncode == (failing != "none")
+    ran = TARGETS[: TARGETS.index(failing) + 1] if failing in TARGETS else TARGETS
+    assert called.read_text().splitlines() == [f"{ROOT}: make {target}" for target in ran]
+
+
+FAKES = {
+    "dpkg-query": "exit 1",
+    "id": "echo 0",
+    "apt-get": 'echo "apt-get $*" >>"$CALLED"; echo "E: no route to the mirror" >&2; exit 100',
+}
+
+
+@pytest.mark.parametrize("pip", ["works", "fails"])
+@pytest.mark.parametrize("forbidden", ["", "1"])
+def test_a_slurm_that_cannot_be_installed_is_told_and_no_failure(
+    tmp_path: Path, pip: str, forbidden: str
+) -> None:
+    """No network to the packages, or no right to install: its tests then say why they skip."""
+    (tmp_path / "setup").mkdir()
+    for name in ("cluster.sh", "common.sh"):
+        shutil.copy(ROOT / "setup" / name, tmp_path / "setup")
+    programs = {tmp_path / "bin" / name: body for name, body in FAKES.items()}
+    programs[tmp_path / ".venv/bin/python"] = f"test {pip} = works"
+    for path, body in programs.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"#!/bin/sh\n{body}\n")
+        path.chmod(0o755)
+    called = tmp_path / "called"
+    more = {"PATH": f"{tmp_path}/bin:{os.environ['PATH']}", "NO_APT": forbidden, "CALLED": called}
+    run = subprocess.run(
+        ["bash", tmp_path / "setup/cluster.sh", "--slurm"],
+        env=os.environ | more,
+        capture_output=True,
+        text=True,
+    )
+    assert run.returncode == 0, run.stderr
+    said = "cannot install slurmctld" if forbidden else "'apt-get install slurmctld"
+    last = run.stderr.splitlines()[-1]
+    assert said in last and last.endswith("cluster tests will skip.")
+    assert called.exists() == (not forbidden)
+    assert ("pip's words are above" in run.stderr) == (pip == "fails")
 
 
 PYTEST = """#!/bin/sh

@@ -9,13 +9,22 @@ from types import SimpleNamespace
 import pytest
 
 from floeflow.core.errors import FloeError
-from floeflow.workflow.job import check_room, launcher_of
+from floeflow.workflow.job import ALONE, check_room, launcher_of
 
 
-def test_on_one_machine_threads_are_ranks():
+def test_on_one_machine_threads_are_ranks(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.delenv("SLURM_JOB_ID", raising=False)
     job = SimpleNamespace(threads=2, resources={"mpi": "", "tasks": 40})
     assert launcher_of(job) == (("mpirun",), 2)
     assert launcher_of(SimpleNamespace(threads=1, resources={})) == (("mpirun",), 1)
+
+
+def test_one_machine_inside_of_an_allocation_asks_slurm_for_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setenv("SLURM_JOB_ID", "7")
+    job = SimpleNamespace(threads=2, resources={})
+    assert launcher_of(job) == (("mpirun", *ALONE), 2)
 
 
 def test_on_a_cluster_tasks_are_ranks():
