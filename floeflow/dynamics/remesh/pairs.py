@@ -217,9 +217,9 @@ def coast_bonds(
     """Bonds of fresh elements to the coast, where most of their parts were bonded to it.
 
     The line lies where both discs have the same power, across the line of centres, as long as
-    those of the parts were on average, and no longer than the smaller disc is wide. It reaches as
-    far, in radii, as those of the parts do: a packing freezes ice to a coast whose line is near,
-    however far behind it the coast's discs stand.
+    those of the parts were on average, and no longer than the smaller disc is wide. It reaches no
+    further, in radii, than the widest of the old ones: a packing freezes ice to a coast whose line
+    is near, however far behind it the coast's discs stand.
 
     Parameters
     ----------

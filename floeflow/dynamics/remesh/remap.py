@@ -34,7 +34,7 @@ from floeflow.dynamics.remesh.transport import is_share, transport, values_of
 from floeflow.state.bonds import Arrays
 from floeflow.state.cells import Cells, rings_of
 from floeflow.state.elements import joint_thickness, pair_arrays
-from floeflow.state.schema import COAST, MOBILE, VARIABLES
+from floeflow.state.schema import COAST, MASS, MOBILE, VARIABLES
 from floeflow.state.walls import unsafe
 
 Array = NDArray[np.float64]
@@ -167,11 +167,18 @@ def remap(
     share = laid.pieces.matrix()
     fill = {name: move(_product(share.T, values[name])) for name in names if name != "area"}
     arrived = {name: move(amount) for name, amount in arrived.items()}
-    arrived, fill, share = _without_traces(arrived, fill, share, cells)
-    crumbs = gather_crumbs(arrived["area"], cells.area, beside)
-    arrived = {name: _product(crumbs, amount) for name, amount in arrived.items()}
-    fill = {name: _product(crumbs, amount) for name, amount in fill.items()}
-    share = sparse.csr_matrix(share @ crumbs.T)
+    # Traces of ice go to the nearest ice and leave their water; then crumbs go, with all they hold.
+    goes, part = traces(arrived["area"], arrived["ice_fraction"].sum(axis=1), cells)
+    held = _product(goes, part * arrived["area"])
+    onto = sparse.csr_matrix(gather_crumbs(held, cells.area, beside) @ goes)
+    onto.sort_indices()
+    in_part = sparse.csr_matrix(onto @ sparse.diags(part))
+    arrived = {
+        name: _product(in_part if _is_of_all_area(name) else onto, amount)
+        for name, amount in arrived.items()
+    }
+    fill = {name: _product(in_part, amount) for name, amount in fill.items()}
+    share = sparse.csr_matrix(share @ in_part.T)
     icy = arrived["ice_fraction"].sum(axis=1) > 0
     # Water amid ice is kept, or made, as an element: a lead can freeze. Where an element stays that
     # does not lie on the cells there is none.
@@ -190,21 +197,11 @@ def remap(
     return _assemble(state, cells, laid, fresh, stays, share, bond_gap)
 
 
-def _without_traces(
-    arrived: dict[str, Array], fill: dict[str, Array], share: sparse.csr_matrix, cells: Cells
-) -> tuple[dict[str, Array], dict[str, Array], sparse.csr_matrix]:
-    """Amounts, sums for means and shares of old elements once traces of ice have gone to others."""
-    to, part = traces(arrived["area"], arrived["ice_fraction"].sum(axis=1), cells)
-    into = sparse.csr_matrix(to @ sparse.diags(part))
-    water = {
-        name for name in fill if VARIABLES[name].of == "area" and not is_share(VARIABLES[name])
-    }
-    gone = {
-        name: _product(into if name in {"area", *water} else to, amount)
-        for name, amount in arrived.items()
-    }
-    means = {name: _product(into, amount) for name, amount in fill.items()}
-    return gone, means, sparse.csr_matrix(share @ into.T)
+def _is_of_all_area(name: str) -> bool:
+    """Whether an amount is of open water as much as of ice: the area and what lies on all of it."""
+    if name == "area":
+        return True
+    return name != MASS and VARIABLES[name].of == "area" and not is_share(VARIABLES[name])
 
 
 def traces(area: Array, ice: Array, cells: Cells) -> tuple[sparse.csr_matrix, Array]:
