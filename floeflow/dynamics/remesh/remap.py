@@ -229,7 +229,8 @@ def traces(area: Array, ice: Array, cells: Cells) -> tuple[sparse.csr_matrix, Ar
         place = np.stack([cells.x, cells.y], axis=1)
         goes[trace] = more[cKDTree(place[more]).query(place[trace])[1]]
         part[trace] = ice[trace] / area[trace]
-    return sparse.csr_matrix((np.ones(count), (goes, np.arange(count)))), part
+    moves = (np.ones(count), (goes, np.arange(count)))
+    return sparse.csr_matrix(moves, shape=(count, count)), part
 
 
 def _taken(state: xr.Dataset, cells: Cells, laid: Laid) -> Flags:

@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.spatial import cKDTree
 
 from floeflow.dynamics.remesh.outline import cut
-from floeflow.dynamics.remesh.remap import lay, overlapping, remap
+from floeflow.dynamics.remesh.remap import lay, overlapping, remap, traces
 from floeflow.dynamics.remesh.remesh import cure
 from floeflow.dynamics.remesh.tables import overlapping_discs
 from floeflow.dynamics.ridging.ridging import contact_share
@@ -302,6 +302,17 @@ def test_a_trace_of_ice_goes_to_the_ice_beside_it(case: tuple) -> None:
     fraction = after["ice_fraction"].values.sum(axis=1)[after["type"].values == MOBILE]
     assert ((fraction == 0) | (fraction > 1e-4)).all()
     assert (fraction > 0).sum() == (mobile & ~east).sum()
+
+
+def test_a_trace_in_the_last_cell_goes_too(case: tuple) -> None:
+    _, cells = case
+    ice = 0.5 * cells.area
+    ice[-1] = 1e-7 * cells.area[-1]
+    goes, part = traces(cells.area, ice, cells)
+    assert goes.shape == (len(ice), len(ice))
+    after = goes @ ice
+    assert after[-1] == 0 and after.sum() == pytest.approx(ice.sum(), rel=1e-14)
+    assert part[-1] == pytest.approx(1e-7) and (part[:-1] == 1).all()
 
 
 def test_a_lead_inside_the_pack_is_given_to_elements(case: tuple) -> None:
