@@ -96,12 +96,14 @@ bench-year: setup ## run the Arctic year on RANKS= (2) and print it beside publi
 bench: bench-dem bench-scaling bench-column bench-remap bench-packing bench-plan ## all benchmarks, and a table of accuracy against cost
 	.venv/bin/python benchmarks/collect.py
 
-studies: setup ## ablation and accuracy of the example scenes, and docs/studies.md (an hour)
+studies: setup ## ablation and accuracy of the example scenes, ensembles where ice breaks, and docs/studies.md, docs/ensembles.md (two hours)
 	@for scene in free_drift_day winter_pack summer_melt_month marginal_ice_zone; do \
 	    for study in ablation accuracy; do \
 	        .venv/bin/snakemake --profile workflows/profiles/local --keep-going \
 	            --config scene=config/scenes/$$scene.yaml -- $$study; \
 	    done; done
+	@.venv/bin/snakemake --profile workflows/profiles/local --keep-going \
+	    --config scene=config/scenes/arctic_week.yaml -- ensemble
 	.venv/bin/floeflow plan --refit
 	.venv/bin/python -m floeflow.analysis.studies.document
 

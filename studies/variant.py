@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Rule ``variant``: one run of a study, compared with the base run."""
+"""Rule ``variant``: one run of a study, compared with the base run, or a setting's members."""
 
 import json
 import os
 from pathlib import Path
 
+from floeflow.analysis.studies.ensemble_plan import STUDY
+from floeflow.analysis.studies.ensemble_run import run_members
 from floeflow.analysis.studies.run import run_variant
 from floeflow.analysis.studies.variants import Variant
 from floeflow.coupling.chunk import Chunk
@@ -31,7 +33,10 @@ def main(snakemake: Snakemake) -> None:
     )
     base = json.loads(Path(str(given.base)).read_text()) if given.base else None
     variant = Variant.from_text(snakemake.params.variant)
-    record = run_variant(variant, chunk, base, folder / "cpu")
+    if chunk.scene.name.partition("+")[2].startswith(f"{STUDY}-"):
+        record = run_members(variant, chunk, base)
+    else:
+        record = run_variant(variant, chunk, base, folder / "cpu")
     write_json(record, Path(str(snakemake.output.record)))
 
 

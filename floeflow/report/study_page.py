@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from matplotlib.figure import Figure
 
 from floeflow.core.atomic_write import write_text
 from floeflow.report.figures.style import as_svg, write_png
-from floeflow.report.report_text import number
+from floeflow.report.report_text import DASH, number
 
 TEMPLATE = Path(__file__).with_name("templates") / "study.html.j2"
 DPI = 130
@@ -104,6 +105,22 @@ def write_study(study: Study, page: Path, digest: Path, keys: str) -> None:
 def cell(value: object) -> str:
     """A table's cell as text."""
     return number(value, 3) if isinstance(value, int | float) else str(value)
+
+
+def measured(value: float, half: float, digits: int = 0) -> str:
+    """A measured value with half of its interval, in no finer digits than that has.
+
+    Parameters
+    ----------
+    value, half : float
+        In one unit.
+    digits : int
+        More digits than the first of `half`.
+    """
+    if not (math.isfinite(value) and math.isfinite(half)):
+        return DASH
+    places = 3 if half <= 0.0 else min(max(0, digits - math.floor(math.log10(half))), 3)
+    return f"{value:.{places}f} ± {max(half, 10.0**-places):.{places}f}".replace("-", "−")
 
 
 def as_markdown(table: Table) -> str:

@@ -103,3 +103,25 @@ def test_accuracy_ends_in_orders_and_a_recommendation(tmp_path: Path):
     page = (done.results / "accuracy.html").read_text()
     assert "Cheapest setting for an error" in page and '<figure id="accuracy_drift">' in page
     assert (done.results / "accuracy/figures/accuracy_drift.png").is_file()
+
+
+@pytest.mark.slow
+def test_an_ensemble_ends_in_verdicts_with_intervals(tmp_path: Path):
+    done = run_study(tmp_path, "ensemble", dynamics={"samples": 1})
+    table = json.loads((done.results / "ensemble/ensemble.table.json").read_text())
+    rows = {row["name"]: row for row in table["settings"]}
+    assert {"again", "all-fine", "all-coarse", "step_share-2"} <= set(rows)
+    again = rows["again"]["changes"]
+    # Free drift is not chaotic: stresses that differ by 0.1 % move it by about as much.
+    assert again["drift_speed"]["high"] - again["drift_speed"]["low"] < 0.02
+    fine, coarse = (rows[f"step_share-{place}"]["cost"]["mean"] for place in (2, 4))
+    assert fine > coarse
+    page = (done.results / "ensemble.html").read_text()
+    assert '<figure id="ensemble">' in page and "not known" in page
+    # Finished members are not run again.
+    base = done.place.results("smoke+ensemble-base")
+    before = json.loads((base / "record.json").read_text())
+    (base / "record.json").unlink()
+    again_done = done.place.run(done.scene, "ensemble", ranks=1)
+    assert again_done.returncode == 0, again_done.stdout
+    assert json.loads((base / "record.json").read_text())["members"] == before["members"]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """On request: runs of studies, which are scenes of their own, and the pages of what they showed.
 
-.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- ablation accuracy
+.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- ablation accuracy ensemble
 
 The hard cases are tests: `make stability` runs them, and then the rule that draws their records.
 """
@@ -101,6 +101,37 @@ rule accuracy_page:
         "Accuracy: error against cost, orders, recommendations"
     script:
         "../../studies/accuracy_page.py"
+
+
+rule ensemble:
+    input:
+        f"{RESULTS}/ensemble.html",
+
+
+rule ensemble_page:
+    input:
+        scene=ancient(scene_file),
+        records=study_records("ensemble"),
+    output:
+        page="results/{scene}/ensemble.html",
+        table="results/{scene}/ensemble/ensemble.table.json",
+        digest="results/{scene}/ensemble/digest.json",
+        figures=directory("results/{scene}/ensemble/figures"),
+    log:
+        "results/{scene}/log/ensemble.log",
+    benchmark:
+        "results/{scene}/benchmarks/ensemble.tsv"
+    resources:
+        mem_mb=memory_asked("study"),
+        runtime=minutes_asked("study"),
+    params:
+        scene_keys=keys_of("report"),
+        library=library_digest("studies"),
+        study_keys=keys_of(*STUDY_STAGES),
+    message:
+        "Ensemble: what settings cost and change where ice breaks, with intervals"
+    script:
+        "../../studies/ensemble_page.py"
 
 
 rule stability_page:

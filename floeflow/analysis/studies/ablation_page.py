@@ -3,7 +3,7 @@
 
 from floeflow.analysis.estimate.choose import OUTPUT
 from floeflow.analysis.studies.ablation_table import Ablation
-from floeflow.report.study_page import Table
+from floeflow.report.study_page import Table, measured
 from floeflow.scene import Scene
 
 LEAD = (
@@ -29,9 +29,9 @@ def effect_table(study: Ablation) -> Table:
             100 * row.area,
             "failed" if row.fault else 100 * row.share,
             100 * row.estimated_share,
-            100 * row.saving,
+            measured(100 * row.saving, 100 * study.noise),
             100 * row.estimated_saving,
-            100 * row.run_saving,
+            measured(100 * row.run_saving, 100 * study.run_noise),
             row.element_steps,
             row.fault or row.advice,
         )
@@ -39,6 +39,7 @@ def effect_table(study: Ablation) -> Table:
     ]
     note = (
         "Work: CPU time of element model and column; run: all CPU time, programs' start included. "
+        "After ±: by how much runs of the same scene differ. "
         "Element-steps: without the effect, relative to the base run."
     )
     return Table("Effects, measured and estimated", HEAD, cells, note)
@@ -56,9 +57,10 @@ def sentences(study: Ablation, scene: Scene) -> list[str]:
     ]
     if study.lean:
         gone = [name for name in scene.effects if name not in study.lean]
+        saved = measured(100 * study.lean_saving, 100 * study.noise)
         said.append(
             f"Without what the estimate calls not needed ({', '.join(gone)}) the run saves "
-            f"{100 * study.lean_saving:.3g} % of its work (the cost model says "
+            f"{saved} % of its work (the cost model says "
             f"{100 * study.lean_profile:.3g} %) and moves the results by "
             f"{100 * study.lean_share:.3g} %."
         )

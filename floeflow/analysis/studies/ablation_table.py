@@ -70,8 +70,8 @@ class Ablation:
         One for each effect, in the registry's order.
     floor : float
         Influence of a nudge of one part in 1e9: what is below it is chaos.
-    noise : float
-        Spread of the work over repeats, relative.
+    noise, run_noise : float
+        Spread over repeats of the work and of the whole run's CPU time, relative.
     rank : float
         Spearman's rank correlation of estimated and measured influence over all effects that may
         change results; NaN for fewer than three.
@@ -88,6 +88,7 @@ class Ablation:
     rows: Sequence[Row]
     floor: float
     noise: float
+    run_noise: float
     rank: float
     lean: Sequence[str]
     lean_saving: float
@@ -128,7 +129,8 @@ def ablation_table(
     base = by_name[BASE]
     repeats = [r for r in by_name.values() if r["group"] == "repeat"]
     times = [work(r) for r in (base, *repeats)]
-    usual = median(times), median(r["cpu_seconds"] for r in (base, *repeats))
+    whole = [r["cpu_seconds"] for r in (base, *repeats)]
+    usual = median(times), median(whole)
     c, fit = conditions(scene), coefficients()
     guesses = {row.name: row for row in estimates}
     rows = [
@@ -148,6 +150,7 @@ def ablation_table(
         rows,
         floor=max((share_of(r) for r in repeats), default=0.0),
         noise=(max(times) - min(times)) / usual[0],
+        run_noise=(max(whole) - min(whole)) / usual[1],
         rank=_rank([r.estimated_share for r in ranked], [r.share for r in ranked]),
         lean=lean["effects"] if lean else [],
         lean_saving=1.0 - work(lean) / usual[0] if lean else 0.0,

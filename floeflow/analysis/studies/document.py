@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``python -m floeflow.analysis.studies.document``: docs/studies.md of the example scenes.
+"""``python -m floeflow.analysis.studies.document``: pages of the example scenes' studies.
 
-Reads what ``make studies`` left under ``results/`` and copies the figures to docs/images/studies.
+Reads what ``make studies`` left under ``results/``, writes docs/studies.md and docs/ensembles.md,
+each where a study of its kind is there, and copies the figures to docs/images/studies.
 """
 
 from __future__ import annotations
@@ -15,28 +16,40 @@ from pathlib import Path
 
 from floeflow.analysis.estimate.choose import scene_estimates
 from floeflow.analysis.resolve import resolve_scene
-from floeflow.analysis.studies import ablation_page, accuracy_page
+from floeflow.analysis.studies import ablation_page, accuracy_page, ensemble_page
 from floeflow.analysis.studies.ablation_figure import ablation_figure
 from floeflow.analysis.studies.ablation_table import Ablation, ablation_table
 from floeflow.analysis.studies.accuracy_figure import is_felt
 from floeflow.analysis.studies.accuracy_table import Accuracy, analyse
+from floeflow.analysis.studies.ensemble_figure import CAPTION, ensemble_figure
+from floeflow.analysis.studies.ensemble_table import Ensemble, ensemble_table
 from floeflow.analysis.studies.measures import KEPT
 from floeflow.analysis.studies.variants import run_name
 from floeflow.core.errors import FloeError, answer
 from floeflow.core.records import machine
 from floeflow.report.figures.style import write_png
-from floeflow.report.study_page import DPI, Table, as_markdown
+from floeflow.report.study_page import DPI, Table, as_markdown, measured
 from floeflow.scene import Scene
 from floeflow.scene.docs import PROJECT
 from floeflow.state import read_dataset
 
 EXAMPLES = ("free_drift_day", "winter_pack", "summer_melt_month", "marginal_ice_zone")
+# Scenes in which ice breaks, whose settings are compared by ensembles.
+ENSEMBLES = ("arctic_week",)
 PAGE, IMAGES = PROJECT / "docs/studies.md", PROJECT / "docs/images/studies"
+ENSEMBLE_PAGE = PROJECT / "docs/ensembles.md"
 
 HEAD = """# Studies of the example scenes
 
 What each effect changes and costs, and what accuracy costs, in four small scenes. Made by
 `make studies` on {machine}; how it is measured: [accuracy](accuracy.md).
+"""
+
+ENSEMBLE_HEAD = """# What settings cost where ice breaks
+
+Where ice breaks, two runs that differ in the last bit end with other cracks: not positions but
+statistics can be compared, of ensembles, with intervals. Made by `make studies` on {machine}; how
+it is measured: [accuracy](accuracy.md#where-ice-breaks).
 """
 
 
@@ -79,7 +92,7 @@ def summary(studies: Sequence[tuple[Scene, Ablation]]) -> Table:
         (
             scene.name,
             f"{found.rank:.2f}",
-            100 * found.lean_saving,
+            measured(100 * found.lean_saving, 100 * found.noise),
             100 * found.lean_profile,
             100 * found.lean_share if math.isfinite(found.lean_share) else "failed",
             100 * found.floor,
@@ -90,8 +103,34 @@ def summary(studies: Sequence[tuple[Scene, Ablation]]) -> Table:
     return Table("All scenes", head, rows)
 
 
-def write_document(results: Path = Path("results")) -> Path:
-    """Write docs/studies.md and copy its figures.
+def ensemble_section(scene: Scene, study: Ensemble) -> str:
+    """Markdown of an ensemble study."""
+    lines = [f"## {scene.report.title or scene.name}", "", f"`config/scenes/{scene.name}.yaml`", ""]
+    lines += [f"- {text}" for text in ensemble_page.sentences(study)]
+    lines += ["", f"![{CAPTION}](images/studies/{scene.name}_ensemble.png)", "", CAPTION, ""]
+    for table in (ensemble_page.setting_table(study), ensemble_page.change_table(study)):
+        lines += [f"{table.title}:", "", as_markdown(table), "", table.note, ""]
+    return "\n".join(lines)
+
+
+def write_ensembles(results: Path) -> Path | None:
+    """Write docs/ensembles.md and its figures; None where no scene has a finished ensemble."""
+    sections = []
+    for name in ENSEMBLES:
+        scene = resolve_scene(PROJECT / f"config/scenes/{name}.yaml")
+        if records := study_records(scene, "ensemble", results):
+            study = ensemble_table(records)
+            write_png(ensemble_figure(study), IMAGES / f"{name}_ensemble.png", DPI)
+            sections.append(ensemble_section(scene, study))
+    if not sections:
+        return None
+    head = ENSEMBLE_HEAD.format(machine=machine())
+    ENSEMBLE_PAGE.write_text("\n".join([head, *sections]))
+    return ENSEMBLE_PAGE
+
+
+def write_documents(results: Path = Path("results")) -> list[Path]:
+    """Write the pages of the studies that are there, and their figures.
 
     Raises
     ------
@@ -99,6 +138,14 @@ def write_document(results: Path = Path("results")) -> Path:
         Where no example scene has a finished study.
     """
     IMAGES.mkdir(parents=True, exist_ok=True)
+    found = [page for page in (write_document(results), write_ensembles(results)) if page]
+    if not found:
+        raise FloeError(f"{results}: no example scene was studied; 'make studies' does it")
+    return found
+
+
+def write_document(results: Path) -> Path | None:
+    """Write docs/studies.md and copy its figures; None where no scene has a finished study."""
     found: list[tuple[Scene, Ablation]] = []
     sections = []
     for name in EXAMPLES:
@@ -122,11 +169,11 @@ def write_document(results: Path = Path("results")) -> Path:
             title = f"## {scene.report.title or scene.name}\n\n`config/scenes/{name}.yaml`\n"
             sections += [title, *parts]
     if not sections:
-        raise FloeError(f"{results}: no example scene was studied; 'make studies' does it")
+        return None
     head = HEAD.format(machine=machine())
     PAGE.write_text("\n".join([head, as_markdown(summary(found)), "", *sections]))
     return PAGE
 
 
 if __name__ == "__main__":
-    sys.exit(answer(write_document))
+    sys.exit(answer(write_documents))

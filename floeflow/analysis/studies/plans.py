@@ -8,12 +8,15 @@ from functools import lru_cache
 
 from floeflow.analysis.studies.ablation_plan import ablation_variants
 from floeflow.analysis.studies.accuracy_plan import accuracy_variants
+from floeflow.analysis.studies.ensemble_plan import STUDY as ENSEMBLE
+from floeflow.analysis.studies.ensemble_plan import ensemble_variants
 from floeflow.analysis.studies.variants import Variant
 from floeflow.scene import Scene
 
 STUDIES: dict[str, Callable[[Scene], list[Variant]]] = {
     "ablation": ablation_variants,
     "accuracy": accuracy_variants,
+    ENSEMBLE: ensemble_variants,
 }
 
 
