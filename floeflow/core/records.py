@@ -19,6 +19,9 @@ from typing import Any
 
 from floeflow.core.atomic_write import write_text
 
+# Key of a window's last record: CPU seconds of the first rank for all of the window.
+WINDOW_CPU = "window_cpu_seconds"
+
 
 @dataclass(frozen=True)
 class Record:

@@ -26,7 +26,7 @@ from mpi4py import MPI
 from floeflow.core.collective import leave, on_root
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import join_run
-from floeflow.core.records import Record, write_records
+from floeflow.core.records import WINDOW_CPU, Record, write_records
 from floeflow.coupling import resume
 from floeflow.coupling.columns import advance_columns, settle_open_ice, totals
 from floeflow.coupling.crowding import close_crowded
@@ -52,8 +52,6 @@ from floeflow.state.snapshots import join_snapshots
 from floeflow.state.walls import enclosed
 
 Report = Callable[..., None]
-# Key of a window's last record: CPU seconds of the first rank for all of the window.
-WHOLE = "window_cpu_seconds"
 
 log = logging.getLogger(__name__)
 
@@ -350,7 +348,7 @@ def _write(
     kept.attrs[resume.MADE_FROM] = made_from
     write_dataset(kept, work / resume.ELEMENTS)
     rest = time.perf_counter() - clocks[0] - known
-    whole = {WHOLE: time.process_time() - clocks[1]}
+    whole = {WINDOW_CPU: time.process_time() - clocks[1]}
     records = [*advanced.cost, Record("exchange", n, ranks, [rest], extra=whole)]
     write_records(records, work / resume.COST)
 

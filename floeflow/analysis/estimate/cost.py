@@ -11,12 +11,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from floeflow.core.constants import ICE_DENSITY
-from floeflow.scene.effects import plugin_switches
+from floeflow.scene.effects import EFFECTS, plugin_switches
 from floeflow.scene.windows import window_chunks
 
 if TYPE_CHECKING:
@@ -29,6 +29,10 @@ Coefficients = Mapping[str, float]
 WORK = ("dynamics", "column")
 # Concentration varies within the ice: where the mean is this little below, most has bonds.
 BOND_MARGIN = 0.05
+# Layers of ice for which the schemes' coefficients stand.
+LAYERS = 7
+# Effects that have work of their own between windows: the sea, and what cures distortion.
+IN_WINDOWS = ("mixed_layer", "remap", "merge", "ridging")
 
 
 class Pack(Protocol):
@@ -70,6 +74,8 @@ class Sizes:
         Cells of the mask grid.
     land, bonded : bool
         Whether the 1 km land mask is read, and whether most of the ice has bonds.
+    column : mapping
+        How often an element does each part of the column's step, see `column_parts`.
     """
 
     elements: float
@@ -81,6 +87,7 @@ class Sizes:
     mask_cells: float
     land: bool
     bonded: bool
+    column: Mapping[str, float] = field(default_factory=dict)
 
 
 def coefficients() -> dict[str, float]:
@@ -129,7 +136,24 @@ def sizes(c: Pack, scene: Scene, effects: Iterable[str], fit: Coefficients) -> S
         mask_cells=cells * scene.mask.refine**2,
         land=scene.mask.land == "global_land_mask",
         bonded=bonded(c, effects),
+        column=column_parts(scene, effects),
     )
+
+
+def column_parts(scene: Scene, effects: Iterable[str]) -> dict[str, float]:
+    """How often one element does each part of one column step.
+
+    The scheme works category by category and, where it has layers, in proportion to these and the
+    snow's; light that is scattered in layers, and the effects, category by category.
+    """
+    keys, effects = scene.column, tuple(effects)
+    many, layered = float(keys.categories), keys.scheme != "zero_layer"
+    share = (1 + keys.layers) / (1 + LAYERS) if layered else 1.0
+    parts: dict[str, float] = {keys.scheme: many * share}
+    if layered and keys.light == "delta_eddington" and "shortwave" in effects:
+        parts["delta_eddington"] = many
+    own = (name for name in effects if EFFECTS[name].column and name != "thermodynamics")
+    return parts | dict.fromkeys(own, many)
 
 
 def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[str, float]:
@@ -142,7 +166,8 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
     effects : iterable of str
         Its effects.
     fit : mapping
-        Coefficients: ``<stage>`` for a job, ``<stage>_per_<size>``, ``dynamics_<effect>``.
+        Coefficients: ``<stage>`` for a job, ``<stage>_per_<size>``, ``dynamics_<effect>``,
+        ``column_<part>`` of `column_parts`, ``window_<effect>`` for an element.
     """
     effects = tuple(effects)
     switched = [e for e in effects if plugin_switches((e,)) and (e != "bonds" or s.bonded)]
@@ -152,7 +177,10 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
     seconds["mask"] += fit["mask_per_cell"] * s.mask_cells
     seconds["packing"] += fit["packing_per_element"] * s.elements
     seconds["forcing"] = fit["forcing_per_cell"] * s.cells * s.windows
-    a_window = fit["window"] + fit["window_per_element"] * s.elements
+    an_element = fit["window_per_element"] + sum(
+        fit.get(f"window_{name}", 0.0) for name in IN_WINDOWS if name in effects
+    )
+    a_window = fit["window"] + an_element * s.elements
     seconds["window"] = s.launches * fit["launch"] + s.windows * a_window
     seconds["dynamics"] = s.steps * (fit["step"] + s.elements * a_step)
     if "bonds" in effects:
@@ -160,10 +188,11 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
     if s.land:
         seconds["land"] = fit["land"]
     if "thermodynamics" in effects:
-        parts = [name for name in effects if f"column_{name}" in fit]
-        share = 1.0 + sum(fit[f"column_{name}"] for name in parts)
+        a_step = fit["column"] + sum(
+            fit.get(f"column_{name}", 0.0) * often for name, often in s.column.items()
+        )
         seconds["column"] = fit["column_start"] * s.windows
-        seconds["column"] += fit["column"] * share * s.elements * s.column_steps
+        seconds["column"] += a_step * s.elements * s.column_steps
     if "grid_output" in effects:
         # A job for each chunk, and one that joins them.
         jobs = (s.launches + 1) * fit["job"]

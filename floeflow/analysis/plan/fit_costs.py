@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -15,12 +15,13 @@ import numpy as np
 from scipy.optimize import nnls
 
 from floeflow.analysis.estimate.conditions import Conditions, conditions
-from floeflow.analysis.estimate.cost import bonded
+from floeflow.analysis.estimate.cost import IN_WINDOWS, bonded, column_parts
 from floeflow.analysis.plan.propose import adjusted
-from floeflow.analysis.studies.outcome import stage_cpu
+from floeflow.analysis.studies.outcome import read_outcome, stage_cpu
 from floeflow.analysis.studies.variants import BASE, run_name
 from floeflow.core.constants import ICE_DENSITY
 from floeflow.core.errors import FloeError
+from floeflow.core.records import WINDOW_CPU
 from floeflow.diagnostics.collect import read_grid
 from floeflow.scene import Scene
 from floeflow.scene.effects import EFFECTS, plugin_switches
@@ -32,11 +33,15 @@ AFTER = ("estimate", "diagnostics", "report")
 
 @dataclass(frozen=True)
 class Run:
-    """A finished run of a study: its scene, conditions and record."""
+    """A finished run: its scene, conditions and record.
+
+    ``launched``: whether its CPU seconds hold the start of the program that ran its windows.
+    """
 
     scene: Scene
     conditions: Conditions
     record: Mapping[str, Any]
+    launched: bool = True
 
     @property
     def cpu(self) -> Mapping[str, float]:
@@ -67,9 +72,43 @@ def read_runs(folders: Iterable[Path]) -> list[Run]:
         runs = run_name(folder.parent.name, folder.name, "*")
         for path in sorted(folder.parent.parent.glob(f"{runs}/record.json")):
             record = json.loads(path.read_text())
-            if not record["fault"]:
-                scene = read_resolved(path.with_name("scene.yaml"))
+            scene = read_resolved(path.with_name("scene.yaml"))
+            if "members" in record:
+                found += [
+                    Run(scene, adjusted(c, scene), with_rest(member), launched=False)
+                    for member in record["members"]
+                    if not member["fault"]
+                ]
+            elif not record["fault"]:
                 found.append(Run(scene, adjusted(c, scene), record))
+    return found
+
+
+def with_rest(record: Mapping[str, Any]) -> dict[str, Any]:
+    """A record with what its windows took beside dynamics, column and forcing, as ``window``."""
+    cpu = dict(record["cpu"])
+    cpu["window"] = max(0.0, record["cpu_seconds"] - sum(cpu.values()))
+    return {**record, "cpu": cpu}
+
+
+def read_whole_runs(folders: Iterable[Path]) -> list[Run]:
+    """Windows of whole runs on one rank, whose CPU time is known.
+
+    Parameters
+    ----------
+    folders : iterable of Path
+        ``results/<scene>`` of whole runs.
+    """
+    found = []
+    for folder in folders:
+        costs = sorted((folder / "cost").glob("*.json"))
+        records = [record for path in costs for record in json.loads(path.read_text())]
+        alone = all(record["ranks"] == 1 for record in records)
+        if alone and any(WINDOW_CPU in record for record in records):
+            scene = read_resolved(folder / "scene.yaml")
+            outcome = asdict(read_outcome(scene.name, "", costs, folder / "no stages"))
+            outcome["cpu_seconds"] = sum(record.get(WINDOW_CPU, 0.0) for record in records)
+            found.append(Run(scene, conditions(scene), with_rest(outcome), launched=False))
     return found
 
 
@@ -146,21 +185,19 @@ def _column_steps(scene: Scene) -> int:
 
 
 def _fit_column(runs: Sequence[Run]) -> dict[str, float]:
-    names = [name for name, e in EFFECTS.items() if e.column and name != "thermodynamics"]
-    rows, values = [], []
-    for run in runs:
-        if run.cpu.get("column", 0.0) > 0:
-            work = float(run.record["elements"]) * _column_steps(run.scene)
-            on = [work * (name in run.scene.effects) for name in names]
-            rows.append([float(run.scene.time.windows), work, *on])
-            values.append(run.cpu["column"])
+    some = [run for run in runs if run.cpu.get("column", 0.0) > 0]
+    parts = [column_parts(run.scene, run.scene.effects) for run in some]
+    names = sorted({name for part in parts for name in part})
+    rows = []
+    for run, part in zip(some, parts, strict=True):
+        work = float(run.record["elements"]) * _column_steps(run.scene)
+        often = [work * part.get(name, 0.0) for name in names]
+        rows.append([float(run.scene.time.windows), work, *often])
     if not rows:
         return {}
-    start, base, *parts = _solve(rows, values)
-    shares = {
-        f"column_{n}": float(p / base) if base else 0.0 for n, p in zip(names, parts, strict=True)
-    }
-    return {"column_start": float(start), "column": float(base), **shares}
+    found = _solve(rows, [run.cpu["column"] for run in some])
+    keys = ["column_start", "column", *(f"column_{name}" for name in names)]
+    return dict(zip(keys, map(float, found), strict=True))
 
 
 def _fit_jobs(runs: Sequence[Run]) -> dict[str, float]:
@@ -192,17 +229,16 @@ def _fit_jobs(runs: Sequence[Run]) -> dict[str, float]:
     for run in runs:
         if "window" in run.cpu:
             windows = float(run.scene.time.windows)
-            rows.append([1.0, windows, windows * run.record["elements"]])
+            each = windows * run.record["elements"]
+            own = [each * (name in run.scene.effects) for name in IN_WINDOWS]
+            rows.append([float(run.launched), windows, each, *own])
             values.append(max(run.cpu["window"], 1e-3))
     if not rows:
         return found
-    launch, window, each = _solve(rows, values)
-    return {
-        **found,
-        "launch": float(launch),
-        "window": float(window),
-        "window_per_element": float(each),
-    }
+    keys = ["launch", "window", "window_per_element", *(f"window_{n}" for n in IN_WINDOWS)]
+    told = [any(column) for column in zip(*rows, strict=True)]
+    solved = zip(keys, _solve(rows, values), told, strict=True)
+    return {**found, **{name: float(value) for name, value, there in solved if there}}
 
 
 def _cells(scene: Scene) -> float:

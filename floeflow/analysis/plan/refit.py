@@ -6,7 +6,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from floeflow.analysis.plan.fit_costs import base_scene, fit_costs, fit_whole_runs, read_runs
+from floeflow.analysis.plan.fit_costs import (
+    base_scene,
+    fit_costs,
+    fit_whole_runs,
+    read_runs,
+    read_whole_runs,
+)
 from floeflow.analysis.plan.fit_errors import fit_choices, fit_laws, read_studies
 from floeflow.core.errors import FloeError
 from floeflow.core.records import machine
@@ -38,9 +44,9 @@ def refit(results: Path, costs: Path, precision: Path) -> list[str]:
         raise FloeError(f"{results}: there is no study to fit to; run 'ablation' and 'accuracy'")
     names = [folder.relative_to(results).as_posix() for folder in folders]
     old = json.loads(costs.read_text())["seconds"]
-    fitted = fit_costs(read_runs(folders), old)
     whole = [page.parent for page in results.glob("*/report.html")]
     whole = [folder for folder in sorted(whole) if folder.name not in held_out()]
+    fitted = fit_costs([*read_runs(folders), *read_whole_runs(whole)], old)
     fitted |= fit_whole_runs(whole, fitted["job"])
     made = read_studies(folders)
     errors = {"errors": fit_laws(made), "choices": fit_choices(made)}

@@ -24,8 +24,8 @@ from floeflow.analysis.studies.outcome import read_outcome
 from floeflow.analysis.studies.run import FASTEST
 from floeflow.analysis.studies.variants import BASE, Variant
 from floeflow.core.errors import FloeError
+from floeflow.core.records import WINDOW_CPU
 from floeflow.coupling.chunk import Chunk, fixed_hashes, run_chunk
-from floeflow.coupling.coupled_windows import WHOLE
 from floeflow.diagnostics.collect import displacement, mean, read_series
 from floeflow.diagnostics.diagnostics import write_json
 from floeflow.scene import Scene
@@ -139,7 +139,7 @@ def clock_seconds(base: Chunk, folder: Path) -> float:
 def window_seconds(chunk: Chunk) -> float:
     """CPU seconds that a chunk's windows took."""
     records = json.loads(chunk.path("cost", ".json").read_text())
-    return float(sum(record[WHOLE] for record in records if WHOLE in record))
+    return float(sum(record[WINDOW_CPU] for record in records if WINDOW_CPU in record))
 
 
 def run_member(chunk: Chunk, name: str, factor: float) -> dict[str, Any]:
@@ -167,6 +167,8 @@ def run_member(chunk: Chunk, name: str, factor: float) -> dict[str, Any]:
         "drift": fields,
         "cpu_seconds": seconds,
         "cpu": outcome.cpu,
+        "elements": outcome.elements,
+        "steps": outcome.steps,
         "element_steps": outcome.element_steps,
         "time_step": outcome.time_step,
     }

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 
@@ -14,7 +15,13 @@ from floeflow.analysis.estimate import cost
 from floeflow.analysis.estimate.conditions import Conditions, conditions
 from floeflow.analysis.estimate.cost import WORK, coefficients, run_seconds, sizes, stage_seconds
 from floeflow.analysis.plan.command import as_time, main
-from floeflow.analysis.plan.fit_costs import Run, fit_costs, fit_whole_runs, read_runs
+from floeflow.analysis.plan.fit_costs import (
+    Run,
+    fit_costs,
+    fit_whole_runs,
+    read_runs,
+    read_whole_runs,
+)
 from floeflow.analysis.plan.fit_errors import Study, fit_choices, fit_laws
 from floeflow.analysis.plan.pack import fitted_to_pack
 from floeflow.analysis.plan.precision import (
@@ -29,6 +36,7 @@ from floeflow.analysis.plan.refit import held_out, refit
 from floeflow.analysis.studies.knobs import knobs
 from floeflow.analysis.studies.variants import changed
 from floeflow.core.errors import FloeError
+from floeflow.core.records import WINDOW_CPU
 from floeflow.coupling.initial import make_state
 from floeflow.dynamics.motion import engine_params, nearing
 from floeflow.dynamics.step.critical import critical_step
@@ -140,7 +148,9 @@ def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions
     truth = {**coefficients(), "job": 0.7, "step": 2e-5, "dynamics": 4e-8, "dynamics_bonds": 5e-8}
     truth |= {"dynamics_wind": 1e-8, "dynamics_friction": 2e-8, "column": 3e-6, "land": 2.0}
     truth |= {"forcing_per_cell": 2e-5, "launch": 1.0, "window": 0.2}
-    truth |= {"window_per_element": 3e-5, "column_start": 0.01}
+    truth |= {"window_per_element": 3e-5, "column_start": 0.01, "column_zero_layer": 2e-6}
+    truth |= {"column_bl99": 8e-6, "column_delta_eddington": 5e-6, "column_shortwave": 1e-6}
+    truth |= {"window_ridging": 2e-5}
     runs = []
     for elements in (100, 400, 1600):
         for effects in (
@@ -150,6 +160,7 @@ def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions
             ("wind", "ocean_drag", "friction", "bonds", "thermodynamics"),
             ("wind", "friction", "bonds"),
             ("wind",),
+            ("wind", "bonds", "friction", "ridging"),
         ):
             for windows in (1, 4):
                 keys = {"dynamics.young_modulus": 1e9, "dynamics.contact_modulus": 1e8}
@@ -158,13 +169,41 @@ def test_the_fit_finds_the_coefficients_of_made_runs(scene: Scene, c: Conditions
                 other = build_scene(changed(scene.model_dump(mode="json"), keys))
                 own = adjusted(c, other)
                 runs.append(Run(other, own, made_record(other, own, truth)))
+    for scheme, light, many in itertools.product(
+        ("zero_layer", "bl99"), ("ccsm3", "delta_eddington"), (1, 3)
+    ):
+        keys = {"column.scheme": scheme, "column.light": light, "column.categories": many}
+        keys["effects"] = ["wind", "thermodynamics", "shortwave"]
+        other = build_scene(changed(scene.model_dump(mode="json"), keys))
+        runs.append(Run(other, c, made_record(other, c, truth)))
     found = fit_costs(runs, coefficients())
+    for name in ("column_zero_layer", "column_bl99", "column_delta_eddington", "window_ridging"):
+        assert found[name] == pytest.approx(truth[name], rel=0.02), name
     names = ("job", "step", "dynamics", "dynamics_bonds", "dynamics_friction", "column")
     for name in (*names, "forcing_per_cell"):
         assert found[name] == pytest.approx(truth[name], rel=0.02), name
     assert found["launch"] == pytest.approx(1.0, rel=0.05)
     # Samples cut the step a little.
     assert found["step_bonds"] == pytest.approx(truth["step_bonds"], rel=0.05)
+
+
+def test_members_and_whole_runs_tell_what_windows_take_beside_their_parts(tmp_path: Path):
+    """CPU time of all of a window less dynamics, column and forcing; no start of a program."""
+    folder = tmp_path / "whole"
+    (folder / "cost").mkdir(parents=True)
+    (folder / "scene.yaml").write_text(load_scene(SMOKE).model_dump_json())
+    parts = [{"name": "dynamics", "cpu_seconds": 2.0, "n": 5, "steps": 10, "time_step": 1.0}]
+    parts += [{"name": "column", "cpu_seconds": 1.0, "n": 5}]
+    parts += [{"name": "exchange", WINDOW_CPU: 3.5, "n": 5}]
+    records = [part | {"ranks": 1, "seconds": [9.0], "window": 1} for part in parts]
+    (folder / "cost/0003.json").write_text(json.dumps(records))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(ROOT)
+        (run,) = read_whole_runs([folder])
+        assert run.cpu == {"dynamics": 2.0, "column": 1.0, "window": 0.5} and not run.launched
+        # The time of two ranks that wait for each other is no cost.
+        (folder / "cost/0003.json").write_text(json.dumps([r | {"ranks": 2} for r in records]))
+        assert read_whole_runs([folder]) == []
 
 
 def test_a_plan_knows_the_step_of_the_scenes_own_pack(scene: Scene, c: Conditions, tmp_path: Path):
