@@ -9,6 +9,8 @@ SNOW_DENSITY = 330.0  # kg m-3
 SEAWATER_DENSITY = 1026.0  # kg m-3
 AIR_DENSITY = 1.3  # kg m-3
 CONTACT_SHEAR_RATIO = 0.5  # tangential over normal stiffness where unbonded ice touches
+# Side of a hexagon over the diameter of the circle in it: how long discs touch that tile a plane.
+EDGE_SHARE = 0.577350269189626
 EARTH_ROTATION = 7.292115e-5  # rad s-1, WGS 84
 EARTH_RADIUS = 6.371e6  # m
 ZERO_CELSIUS = 273.15  # K

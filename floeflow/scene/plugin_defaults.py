@@ -3,7 +3,13 @@
 
 from __future__ import annotations
 
-from floeflow.core.constants import AIR_DENSITY, CONTACT_SHEAR_RATIO, ICE_DENSITY, SEAWATER_DENSITY
+from floeflow.core.constants import (
+    AIR_DENSITY,
+    CONTACT_SHEAR_RATIO,
+    EDGE_SHARE,
+    ICE_DENSITY,
+    SEAWATER_DENSITY,
+)
 from floeflow.scene.blocks import Dynamics, Grounding
 
 HEAD = """\
@@ -52,6 +58,7 @@ def plugin_defaults() -> str:
         ("seabed_creep", g.creep, "m/s"),
         ("seabed_openness", g.openness, "ratio"),
         ("ice_density", ICE_DENSITY, "kg/m3"),
+        ("edge_share", EDGE_SHARE, "side of a hexagon over its inner diameter"),
     )
     lines = [(f"constexpr double {name} = {value!r};", unit) for name, value, unit in rows]
     width = max(len(line) for line, _ in lines)

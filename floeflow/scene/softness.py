@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from floeflow.core.constants import EDGE_SHARE
+
 # Full moduli of sea ice in bonds and of unbonded contact, Pa.
 YOUNG, CONTACT = 1.0e9, 1.0e8
 # Moduli over the compressive strength. A bond that breaks in compression is shorter by 1 / 150 of
@@ -17,7 +19,7 @@ YOUNG, CONTACT = 1.0e9, 1.0e8
 # spring E h / 2: at that limit it has closed elastically by 2 x 0.577 / 200 of the span, 0.58 %;
 # 1 % is the most that may be.
 YOUNG_OVER_STRENGTH, CONTACT_OVER_STRENGTH = 150.0, 200.0
-EDGE_SHARE, LEAST = 0.577350269189626, 1.0e3
+LEAST = 1.0e3
 # Strength of Kovacs & Sodhi's bonds at this thickness (m), the thickest level ice: stiff enough for
 # thinner ice too.
 THICKEST = 3.0

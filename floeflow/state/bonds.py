@@ -13,10 +13,6 @@ from floeflow.core.errors import FloeError
 
 Arrays = dict[str, np.ndarray]
 
-# Side of a hexagon over the diameter of the circle inside it: how long discs touch that tile a
-# plane (edge_share in liggghts_models/laws/ridge.h).
-EDGE_SHARE = 0.577350269189626
-
 # Columns that the plugin takes and gives, in its order (liggghts_models/capi/capi.h).
 BOND_COLUMNS = (
     "span",

@@ -10,6 +10,7 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "defaults.h"
 #include "error.h"
 #include "fix_floe_integrate.h"
 #include "force.h"
@@ -36,7 +37,7 @@ void put_end(double *h, double cos, double sin, floe::Vec2 n, double arm, double
 }  // namespace
 
 void BondCommand::command(int narg, char **arg) {
-  double gap = -1.0, thickness = -1.0, width = 0.577350269189626;
+  double gap = -1.0, thickness = -1.0, width = floe::defaults::edge_share;
   for (int k = 0; k + 1 < narg; k += 2) {
     const std::string key = arg[k];
     const double value = force->numeric(FLERR, arg[k + 1]);

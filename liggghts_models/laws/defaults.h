@@ -30,6 +30,7 @@ constexpr double seabed_strength = 15.0;           // N/m3
 constexpr double seabed_creep = 5e-05;             // m/s
 constexpr double seabed_openness = 20.0;           // ratio
 constexpr double ice_density = 917.0;              // kg/m3
+constexpr double edge_share = 0.577350269189626;   // side of a hexagon over its inner diameter
 
 }  // namespace defaults
 }  // namespace floe

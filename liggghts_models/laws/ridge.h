@@ -14,10 +14,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "defaults.h"
+
 namespace floe {
 
-// Side of a hexagon over the diameter of the circle inside it: how long discs touch that tile a plane.
-constexpr double edge_share = 0.577350269189626;
+using defaults::edge_share;
 
 struct RidgeMaterial {
   double start;            // force per contact length over ridge thickness, N/m2

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from floeflow.core.constants import EDGE_SHARE
 from floeflow.dynamics.bonds.glue_line import displaced, healed, loaded_less_than, thickened
 from floeflow.dynamics.engine.params import EngineParams
-from floeflow.state.bonds import EDGE_SHARE, Arrays, element_rows, new_bonds
+from floeflow.state.bonds import Arrays, element_rows, new_bonds
 from floeflow.state.elements import joint_thickness, pair_arrays
 from floeflow.state.schema import MOBILE, VARIABLES
 

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from floeflow.core.constants import EDGE_SHARE
 from floeflow.dynamics.ridging.ridging import contact_share
-from floeflow.state.bonds import EDGE_SHARE, Arrays, element_rows, new_bonds
+from floeflow.state.bonds import Arrays, element_rows, new_bonds
 from floeflow.state.cells import Cells
 
 Array = NDArray[np.float64]

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from mpi4py import MPI
 
-from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.core.constants import AIR_DENSITY, EDGE_SHARE, SEAWATER_DENSITY
 from floeflow.coupling import initial
 from floeflow.coupling.coupled_windows import advance_window
 from floeflow.diagnostics.budgets import Budget, dem_energy_budget
@@ -20,7 +20,7 @@ from floeflow.dynamics.ridging.ridging import contact_share
 from floeflow.packings import bonds, packing
 from floeflow.packings import fresh_cells as cells
 from floeflow.scene import Scene, parse_scene
-from floeflow.state.bonds import EDGE_SHARE, element_rows
+from floeflow.state.bonds import element_rows
 from floeflow.state.cells import Cells, read_cells
 from floeflow.state.elements import element_arrays
 from floeflow.state.schema import MOBILE, check_state

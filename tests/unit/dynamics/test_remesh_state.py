@@ -9,13 +9,13 @@ import shapely
 import xarray as xr
 from scipy.spatial import cKDTree
 
+from floeflow.core.constants import EDGE_SHARE
 from floeflow.dynamics.remesh.outline import cut
 from floeflow.dynamics.remesh.remap import lay, overlapping, remap, traces
 from floeflow.dynamics.remesh.remesh import cure
 from floeflow.dynamics.remesh.tables import overlapping_discs
 from floeflow.dynamics.ridging.ridging import contact_share
 from floeflow.scene import parse_scene
-from floeflow.state.bonds import EDGE_SHARE
 from floeflow.state.cells import Cells
 from floeflow.state.elements import joint_thickness
 from floeflow.state.schema import COAST, MOBILE, check_state
