@@ -36,6 +36,10 @@ rule all:
         default_targets(),
 
 
+onstart:
+    SCENES.say_expectation()
+
+
 onsuccess:
     print(SCENES.closing_line())
 

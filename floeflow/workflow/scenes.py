@@ -37,6 +37,7 @@ from floeflow.scene.load import read_keys, read_resolved
 from floeflow.scene.windows import window_chunks, window_name
 from floeflow.workflow.clock import check_clock, clock_sentence
 from floeflow.workflow.faults import UNKNOWN, say_last, take_faults
+from floeflow.workflow.forecast import Forecast, forecast
 from floeflow.workflow.foreign_results import check_results
 from floeflow.workflow.input_guard import check_inputs
 from floeflow.workflow.library import made_with
@@ -113,6 +114,7 @@ class Scenes:
         self._hashes: dict[tuple[str, str], str] = {}
         self._files: dict[str, str | list[str]] = {}
         self._limits: dict[str, int | None] = {}
+        self._forecast: Forecast | None = None
         self._main = bool(workflow.is_main_process)
         self._workflow = workflow
         looking = LOOKING & {argument.partition("=")[0] for argument in sys.argv}
@@ -200,10 +202,21 @@ class Scenes:
             self._files[name] = path.as_posix() if there else []
         return self._files[name]
 
+    def say_expectation(self) -> None:
+        """Say what the default scene's run is expected to take, where all of it is about to run.
+
+        To be called when all jobs are known and none has begun.
+        """
+        run = self.run(self.default)
+        with refused_in_a_sentence(self.default):
+            self._forecast = forecast(run.scene, run.chunks, self._workflow)
+        if self._forecast:
+            print(self._forecast.first_line(), flush=True)
+
     def closing_line(self) -> str:
         """Say where the report of the default scene lies, or that there is none yet.
 
-        A finished run gets its manifest here.
+        A finished run gets its manifest here, and is compared with what was expected of it.
         """
         report = RESULTS / self.default / "report.html"
         run = self.run(self.default)
@@ -215,7 +228,10 @@ class Scenes:
             with refused_in_a_sentence(self.default):
                 workflow = Path(self._workflow.basedir)
                 write_manifest(run.scene, report.parent, self._plugin, run.last, workflow)
-        return f"Report: {report.resolve()}" if report.is_file() else f"Results: {report.parent}/"
+        if not report.is_file():
+            return f"Results: {report.parent}/"
+        took = f"{self._forecast.last_line(report.parent)}\n" if self._forecast else ""
+        return f"{took}Report: {report.resolve()}"
 
     def say_faults(self) -> None:
         """Say last, and once, what jobs could not do."""

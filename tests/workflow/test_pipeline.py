@@ -24,6 +24,9 @@ pytestmark = pytest.mark.workflow
 
 def test_the_run_leaves_a_report_and_says_where(smoke: Done):
     assert f"Report: {smoke.results.resolve()}/report.html" in smoke.output
+    # What was expected of the run before it began, and what it took.
+    assert re.search(r"^Expected: \d+ elements, \d windows of 6 h in ", smoke.output, re.M)
+    assert re.search(r"^Took .* \(expected: .*\) and .* on disk", smoke.output, re.M)
     text = (smoke.results / "report.html").read_text()
     assert text.lstrip().startswith("<!doctype html>") or text.lstrip().startswith(
         "<!DOCTYPE html>"

@@ -203,7 +203,7 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
 
 
 def run_seconds(
-    c: Conditions, scene: Scene, effects: Iterable[str], ranks: int, fit: Coefficients
+    c: Pack, scene: Scene, effects: Iterable[str], ranks: int, fit: Coefficients
 ) -> float:
     """Wall seconds of a run on so many ranks, other stages one after the other.
 

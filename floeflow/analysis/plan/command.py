@@ -10,6 +10,7 @@ from pathlib import Path
 
 from floeflow.analysis.estimate.conditions import conditions
 from floeflow.analysis.estimate.cost import COSTS, coefficients
+from floeflow.analysis.estimate.expected import as_time
 from floeflow.analysis.plan.pack import fitted_to_pack
 from floeflow.analysis.plan.precision import PRECISION, error_model
 from floeflow.analysis.plan.propose import Proposal, for_budget, for_error, parse_budget, proposals
@@ -79,14 +80,6 @@ def _settings(proposal: Proposal) -> list[str]:
         f"  {path}: {value if isinstance(value, str) else format(value, 'g')}"
         for path, value in proposal.changes.items()
     ]
-
-
-def as_time(seconds: float) -> str:
-    """A time in its best unit, to two digits."""
-    for unit, name in ((86400.0, "d"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= 2 * unit:
-            return f"{seconds / unit:.2g} {name}"
-    return f"{seconds:.2g} s"
 
 
 def _say(proposal: Proposal) -> str:

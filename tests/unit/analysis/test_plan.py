@@ -14,7 +14,7 @@ import xarray as xr
 from floeflow.analysis.estimate import cost
 from floeflow.analysis.estimate.conditions import Conditions, conditions
 from floeflow.analysis.estimate.cost import WORK, coefficients, run_seconds, sizes, stage_seconds
-from floeflow.analysis.plan.command import as_time, main
+from floeflow.analysis.plan.command import main
 from floeflow.analysis.plan.fit_costs import (
     Run,
     fit_costs,
@@ -324,7 +324,3 @@ def test_the_command_proposes_and_refuses(
     assert plan("--refit", "--results", str(tmp_path)) == 1
     assert "there is no study to fit to" in capsys.readouterr().err
     assert error_model()
-
-
-def test_times_are_said_in_their_best_unit():
-    assert [as_time(s) for s in (5.0, 600.0, 7200.0, 3e5)] == ["5 s", "10 min", "2 h", "3.5 d"]

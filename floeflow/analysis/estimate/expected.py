@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a run will take, said before it begins, and how well that was met, said at its end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from floeflow.analysis.estimate.cost import Sizes, coefficients, run_seconds, sizes
+from floeflow.analysis.estimate.resources import outline
+
+if TYPE_CHECKING:
+    from floeflow.scene import Scene
+
+# Bytes on disk: of an element in a state and in a snapshot, without and for each category; of a
+# cell of the grid in all fields of a time; of a cell of the mask's grid in preprocessing; of what
+# every run has (report, logs). Measured with `du` on runs of the default scene, the Arctic year and
+# `smoke`; other effects bring other variables, so they are good to a factor of about 1.5.
+STATE, STATE_CATEGORY = 1500.0, 300.0
+SNAPSHOT, SNAPSHOT_CATEGORY = 600.0, 60.0
+FIELDS, MASK, EVERY_RUN = 150.0, 60.0, 4e6
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What is expected of a run.
+
+    Parameters
+    ----------
+    elements, windows, steps : int
+        Elements with the coast's, coupling windows, steps of the element model.
+    window : float
+        Length of a window, s.
+    seconds : float
+        Wall time of all jobs, s, where the machine has nothing else to do.
+    size : float
+        Of the results, bytes.
+    """
+
+    elements: int
+    windows: int
+    steps: int
+    window: float
+    seconds: float
+    size: float
+
+
+def expected(scene: Scene, ranks: int) -> Expected:
+    """Sizes, time and disk space of a run of a scene, from its keys alone.
+
+    Parameters
+    ----------
+    scene : Scene
+        With concrete effects.
+    ranks : int
+        MPI ranks of its windows.
+    """
+    fit, pack = coefficients(), outline(scene)
+    s = sizes(pack, scene, scene.effects, fit)
+    seconds = run_seconds(pack, scene, scene.effects, ranks, fit)
+    return Expected(
+        round(s.elements), s.windows, int(s.steps), scene.time.window, seconds, disk_size(scene, s)
+    )
+
+
+def disk_size(scene: Scene, s: Sizes) -> float:
+    """Bytes of the results of a run."""
+    many = scene.column.categories if "thermodynamics" in scene.effects else 1
+    states = s.windows if scene.state.keep == "all" else s.launches
+    size = EVERY_RUN + MASK * s.mask_cells
+    size += (states + 1) * s.elements * (STATE + STATE_CATEGORY * many)
+    size += s.windows * s.elements * (SNAPSHOT + SNAPSHOT_CATEGORY * many)
+    if "grid_output" in scene.effects:
+        size += (s.windows + 1) * s.cells * FIELDS
+    return size
+
+
+def expectation(found: Expected, ranks: int) -> str:
+    """The expectation in a sentence."""
+    on = f"{ranks} rank{'s' if ranks > 1 else ''}"
+    return (
+        f"Expected: {found.elements:,} elements, {found.windows} windows of "
+        f"{as_time(found.window)} in {two_digits(found.steps)} steps; about "
+        f"{as_time(found.seconds)} on {on}, {as_size(found.size)} on disk"
+    )
+
+
+def outcome(found: Expected, seconds: float, size: float) -> str:
+    """How well it was met, in a sentence."""
+    return (
+        f"Took {as_time(seconds)} (expected: {as_time(found.seconds)}) and {as_size(size)} on disk "
+        f"(expected: {as_size(found.size)})"
+    )
+
+
+def two_digits(value: float) -> str:
+    """A number in two digits, which is more than an estimate has."""
+    if value < 10.0:
+        return f"{value:.2g}"
+    return f"{round(value, 2 - len(str(int(value)))):,.0f}"
+
+
+def as_time(seconds: float) -> str:
+    """A time in its best unit, to two digits."""
+    for unit, name in ((86400.0, "d"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * unit:
+            return f"{two_digits(seconds / unit)} {name}"
+    return f"{two_digits(seconds)} s"
+
+
+def as_size(size: float) -> str:
+    """Bytes in their best unit, to two digits."""
+    for unit, factor in (("TB", 1e12), ("GB", 1e9)):
+        if size >= factor:
+            return f"{two_digits(size / factor)} {unit}"
+    return f"{two_digits(size / 1e6)} MB"
