@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -31,8 +32,22 @@ def test_ranks_start_below_a_process_that_uses_mpi():
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.mpi
+def test_ranks_may_run_on_all_processors_of_the_job():
+    """Bound to the first ones, single ranks that run side by side would share one of them."""
+    program = "import os; print(sorted(os.sched_getaffinity(0)))"
+    for ranks in (1, 2):
+        command = ["mpirun", "-n", str(ranks), sys.executable, "-c", program]
+        done = subprocess.run(command, env=mpi_environment(), capture_output=True, text=True)
+        # Lines of ranks may arrive joined.
+        found = done.stdout.replace("\n", "")
+        assert found == str(sorted(os.sched_getaffinity(0))) * ranks, done.stderr
+
+
 def test_the_user_s_own_settings_stay():
     base = {"PMIX_RANK": "0", "OMPI_COMM_WORLD_RANK": "0", "OMPI_MCA_btl": "self", "HOME": "/h"}
+    binding = {"OMPI_MCA_hwloc_base_binding_policy": "core"}
+    assert mpi_environment(binding) | binding == mpi_environment(binding)
     environment = mpi_environment(base)
     assert environment["OMPI_MCA_btl"] == "self" and environment["HOME"] == "/h"
     assert "PMIX_RANK" not in environment and "OMPI_COMM_WORLD_RANK" not in environment
