@@ -13,6 +13,7 @@ import platform
 import resource
 import subprocess
 from dataclasses import asdict, dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -112,8 +113,12 @@ def machine() -> str:
     return f"{model}, {os.cpu_count()} cores"
 
 
+@lru_cache(maxsize=1)
 def git_version() -> str:
-    """Short commit of the project, with '+' where files differ; empty outside git."""
+    """Short commit of the project, with '+' where files differ; empty outside git.
+
+    That with which the process began: it is asked for with every record.
+    """
     here = Path(__file__).resolve().parent
     command = ["git", "-C", str(here), "describe", "--always", "--dirty=+", "--abbrev=10"]
     try:

@@ -320,11 +320,12 @@ def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
         provenance |= job.fixed | {"window": job.hashes[number]}
         advanced.state.attrs["provenance"] = json.dumps(provenance, sort_keys=True)
         clocks = began, used
-        on_root(comm, _write, advanced, work, clocks, job.hashes[number], scene.state.precision)
+        # What the next window starts from is what a restart would read.
+        state = on_root(
+            comm, _write, advanced, work, clocks, job.hashes[number], scene.state.precision
+        )
         if scene.state.keep == "chunks" and comm.rank == 0:
             resume.drop_old_states(folder, job.windows[: number + 1])
-        # What the next window starts from is what a restart would read.
-        state = on_root(comm, read_state, work / resume.STATE)
 
 
 def _write(
@@ -333,7 +334,8 @@ def _write(
     clocks: tuple[float, float],
     made_from: str,
     precision: Literal["double", "single"],
-) -> None:
+) -> xr.Dataset:
+    """Write a window's files; its state as its file has it."""
     # All carry the hash: a window counts as finished only where it is whole.
     mark = {resume.MADE_FROM: made_from, "window": int(advanced.state.attrs["window"])}
     advanced.series.attrs = mark
@@ -344,13 +346,15 @@ def _write(
     if advanced.fluxes is not None:
         advanced.fluxes.attrs |= mark
         write_dataset(advanced.fluxes, work / resume.FLUXES)
-    kept = join_snapshots([read_state(work / resume.STATE)])
+    state = read_state(work / resume.STATE)
+    kept = join_snapshots([state])
     kept.attrs[resume.MADE_FROM] = made_from
     write_dataset(kept, work / resume.ELEMENTS)
     rest = time.perf_counter() - clocks[0] - known
     whole = {WINDOW_CPU: time.process_time() - clocks[1]}
     records = [*advanced.cost, Record("exchange", n, ranks, [rest], extra=whole)]
     write_records(records, work / resume.COST)
+    return state
 
 
 def _reporter(comm: MPI.Comm, window: str) -> Report:

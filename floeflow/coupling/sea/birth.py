@@ -182,10 +182,12 @@ def _join(
     # What there is nothing of to be a property of stays as it is.
     values = values_of(both, both["area"], kinds)
     grows = asked * part > 0.0
+    changed = {}
     for name, value in values.items():
         whole = state[name].values.copy()
         whole[mobile[grows]] = value[grows]
-        state = state.assign({name: (state[name].dims, whole)})
+        changed[name] = (state[name].dims, whole)
+    state = state.assign(changed)
     water = float(taken.sum())
     state.attrs["unclaimed_water"] = float(state.attrs["unclaimed_water"]) - water
     rest = np.maximum(found.area - taken, 0.0)
