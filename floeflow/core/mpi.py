@@ -21,6 +21,9 @@ def mpi_environment(base: Mapping[str, str] = os.environ) -> dict[str, str]:
         Environment to start from.
     """
     return {
+        # Where the ranks run, the system decides. Open MPI binds the first ranks of every program
+        # to the first cores: programs side by side would share these and leave the others idle.
+        "OMPI_MCA_hwloc_base_binding_policy": "none",
         **{name: value for name, value in base.items() if not _INHERITED.match(name)},
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -31,8 +32,24 @@ def test_ranks_start_below_a_process_that_uses_mpi():
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_ranks_may_run_on_every_core_that_the_caller_has(ranks: int):
+    """Bound to the first cores, programs side by side would share these."""
+    words = r"import os, sys; sys.stdout.write(f'{sorted(os.sched_getaffinity(0))}\n')"
+    done = subprocess.run(
+        ["mpirun", "-n", str(ranks), sys.executable, "-c", words],
+        env=mpi_environment(),
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout.splitlines() == [str(sorted(os.sched_getaffinity(0)))] * ranks, done.stderr
+
+
 def test_the_user_s_own_settings_stay():
     base = {"PMIX_RANK": "0", "OMPI_COMM_WORLD_RANK": "0", "OMPI_MCA_btl": "self", "HOME": "/h"}
     environment = mpi_environment(base)
     assert environment["OMPI_MCA_btl"] == "self" and environment["HOME"] == "/h"
+    binding = "OMPI_MCA_hwloc_base_binding_policy"
+    assert mpi_environment(base | {binding: "core"})[binding] == "core"
     assert "PMIX_RANK" not in environment and "OMPI_COMM_WORLD_RANK" not in environment
