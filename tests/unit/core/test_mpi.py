@@ -36,10 +36,11 @@ def test_ranks_start_below_a_process_that_uses_mpi():
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_ranks_may_run_on_every_core_that_the_caller_has(ranks: int):
     """Bound to the first cores, programs side by side would share these."""
+    base = {name: value for name, value in os.environ.items() if not name.startswith("OMPI_MCA_")}
     words = r"import os, sys; sys.stdout.write(f'{sorted(os.sched_getaffinity(0))}\n')"
     done = subprocess.run(
         ["mpirun", "-n", str(ranks), sys.executable, "-c", words],
-        env=mpi_environment(),
+        env=mpi_environment(base),
         capture_output=True,
         text=True,
     )
