@@ -21,6 +21,9 @@ if (($(nproc) < 4)); then
     done
 fi
 
+# Threads of BLAS would wait, spinning, for the core that the other process has.
+export OPENBLAS_NUM_THREADS=1
+
 run() { # name of the process, core of its ranks, more options
     local name=$1 number=$2
     shift 2
