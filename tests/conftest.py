@@ -52,6 +52,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         type=Path,
         help="run the modules that no other process with this folder has taken",
     )
+    parser.addoption(
+        "--backwards", action="store_true", help="with --beside: begin with the last module"
+    )
 
 
 @pytest.fixture

@@ -21,8 +21,8 @@ def mpi_environment(base: Mapping[str, str] = os.environ) -> dict[str, str]:
         Environment to start from.
     """
     return {
-        # Open MPI binds one or two ranks to the first cores: programs that run side by side, such
-        # as the runs of a study, would share one core while others idle.
+        # Where the ranks run, the system decides. Open MPI binds the first ranks of every program
+        # to the first cores: programs side by side would share these and leave the others idle.
         "OMPI_MCA_hwloc_base_binding_policy": "none",
         **{name: value for name, value in base.items() if not _INHERITED.match(name)},
         "OMPI_ALLOW_RUN_AS_ROOT": "1",

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +119,13 @@ def barely_shaken(pack: Arrays, laws: EngineParams) -> Arrays:
     return moved | {name: moved[name] * mobile for name in ("u", "v", "omega")}
 
 
+@pytest.fixture(scope="module")
+def rest(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Arrays]:
+    """Pressed packs that have come to rest, by name; each is brought to rest once."""
+    log = tmp_path_factory.mktemp("rest") / "liggghts.log"
+    return cache(lambda name: at_rest(log, name))
+
+
 def largest_pressed(log: Path, pack: Arrays, laws: EngineParams) -> float:
     """Largest share of the critical step at which a pressed pack's motion does not grow, to 2 %."""
     shaken_pack, critical = barely_shaken(pack, laws), critical_step(pack, None, laws)[0]
@@ -150,8 +158,8 @@ def test_the_default_step_is_most_of_the_largest_stable_one(log: Path, name: str
 
 @pytest.mark.parametrize("damping", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("name", PRESSED)
-def test_pressed_packs_hold_below_the_critical_step(log: Path, name: str, damping: float):
-    pack = at_rest(log, name)
+def test_pressed_packs_hold_below_the_critical_step(log: Path, rest, name: str, damping: float):
+    pack = rest(name)
     laws = replace(CONTACTS, contact_damping=damping)
     critical = critical_step(pack, None, laws)[0]
     assert critical <= network_step(pack, laws)
@@ -161,9 +169,9 @@ def test_pressed_packs_hold_below_the_critical_step(log: Path, name: str, dampin
 
 
 @pytest.mark.parametrize("name", ["pair", "chain", "lattice", "lattice, mixed thickness"])
-def test_pressed_packs_blow_up_where_theory_says(log: Path, name: str, record):
+def test_pressed_packs_blow_up_where_theory_says(log: Path, rest, name: str, record):
     """Largest stable step of the engine over that of the contacts' network."""
-    pack = at_rest(log, name)
+    pack = rest(name)
     critical, limit = critical_step(pack, None, CONTACTS)[0], network_step(pack, CONTACTS)
     found = largest_pressed(log, pack, CONTACTS) * critical / limit
     record(engine_over_theory=found)
@@ -188,13 +196,13 @@ WASTED = {
         for name in (*PRESSED, "random")
     ],
 )
-def test_the_default_step_of_unbonded_packs(log: Path, name: str, record):
+def test_the_default_step_of_unbonded_packs(log: Path, rest, name: str, record):
     """The default step over the largest stable one, contacts alone."""
     if name == "random":  # its contacts do not hold it: by theory, as if all that touch were closed
         pack = random_pack()
         share = network_step(pack, CONTACTS, 0.01) / critical_step(pack, None, CONTACTS)[0]
     else:
-        share = largest_pressed(log, at_rest(log, name), CONTACTS)
+        share = largest_pressed(log, rest(name), CONTACTS)
     record(largest_stable_share=share, unbonded_default_over_largest=DEFAULT / share)
     assert DEFAULT / share >= AIM
 
@@ -221,7 +229,7 @@ def test_energy_of_collisions_at_the_default_step(log: Path, exact: bool, record
 
 
 @pytest.mark.slow
-def test_the_stability_map(log: Path, record, show):
+def test_the_stability_map(log: Path, rest, record, show):
     """Every pack, stiffness and damping: where the largest stable step lies."""
     dampings, youngs, moduli = (0.0, 0.05, 0.1, 0.3, 1.0), (1e7, 1e9), (1e6, 1e8)
     bonded = {
@@ -229,7 +237,6 @@ def test_the_stability_map(log: Path, record, show):
         for name in PACKS
         for young in youngs
     }
-    rest = {name: at_rest(log, name) for name in PRESSED}
     unbonded = {
         (name, modulus): [
             largest_pressed(
@@ -237,7 +244,7 @@ def test_the_stability_map(log: Path, record, show):
             )
             for damping in dampings
         ]
-        for name, pack in rest.items()
+        for name, pack in ((name, rest(name)) for name in PRESSED)
         for modulus in moduli
     }
     every, loose = (np.array(list(found.values())) for found in (bonded, unbonded))

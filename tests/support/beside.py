@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Tests in processes side by side: each takes the next module that no other has taken.
+"""Tests in two processes side by side: each takes the next module that the other has not taken.
 
-So all of them end at about the same time, whatever a module takes on the machine at hand.
+One goes through them from the first to the last, the other from the last to the first. So both end
+at about the same time, whatever a module takes on the machine at hand, and what all runs of the
+workflow need, a column compiled by Numba, is made by one while the other does without it.
 """
 
 from __future__ import annotations
@@ -13,6 +15,20 @@ from pathlib import Path
 import pytest
 
 TESTS = Path(__file__).resolve().parents[1]
+
+# Long modules lie at the ends, so that what is left when the two meet is short.
+FIRST, LAST = ("workflow",), ("faults", "stability", "verification")
+
+
+def place(path: Path) -> tuple[int, Path]:
+    """Key that sorts modules: those of the workflow first, those of the element model last."""
+    folder = path.relative_to(TESTS).parts[0]
+    return (folder in LAST) - (folder in FIRST), path
+
+
+def ordered(items: list[pytest.Item], backwards: bool) -> list[pytest.Item]:
+    """Tests with the modules in their order, or in its reverse; inside of a module as they are."""
+    return sorted(items, key=lambda item: place(item.path), reverse=backwards)
 
 
 def taken(folder: Path, items: list[pytest.Item]) -> Iterator[pytest.Item]:
@@ -31,9 +47,7 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
     folder = session.config.getoption("--beside")
     if not folder or session.testsfailed or session.config.option.collectonly:
         return None
-    # Modules of the workflow take longest: begun first, they leave no process alone at the end.
-    workflow = TESTS / "workflow"
-    mine = taken(folder, sorted(session.items, key=lambda item: workflow not in item.path.parents))
+    mine = taken(folder, ordered(session.items, session.config.getoption("--backwards")))
     item = next(mine, None)
     while item:
         # The next one tells which fixtures stay.

@@ -33,21 +33,24 @@ def test_ranks_start_below_a_process_that_uses_mpi():
 
 
 @pytest.mark.mpi
-def test_ranks_may_run_on_all_processors_of_the_job():
-    """Bound to the first ones, single ranks that run side by side would share one of them."""
-    program = "import os; print(sorted(os.sched_getaffinity(0)))"
-    for ranks in (1, 2):
-        command = ["mpirun", "-n", str(ranks), sys.executable, "-c", program]
-        done = subprocess.run(command, env=mpi_environment(), capture_output=True, text=True)
-        # Lines of ranks may arrive joined.
-        found = done.stdout.replace("\n", "")
-        assert found == str(sorted(os.sched_getaffinity(0))) * ranks, done.stderr
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_ranks_may_run_on_every_core_that_the_caller_has(ranks: int):
+    """Bound to the first cores, programs side by side would share these."""
+    base = {name: value for name, value in os.environ.items() if not name.startswith("OMPI_MCA_")}
+    words = r"import os, sys; sys.stdout.write(f'{sorted(os.sched_getaffinity(0))}\n')"
+    done = subprocess.run(
+        ["mpirun", "-n", str(ranks), sys.executable, "-c", words],
+        env=mpi_environment(base),
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout.splitlines() == [str(sorted(os.sched_getaffinity(0)))] * ranks, done.stderr
 
 
 def test_the_user_s_own_settings_stay():
     base = {"PMIX_RANK": "0", "OMPI_COMM_WORLD_RANK": "0", "OMPI_MCA_btl": "self", "HOME": "/h"}
-    binding = {"OMPI_MCA_hwloc_base_binding_policy": "core"}
-    assert mpi_environment(binding) | binding == mpi_environment(binding)
     environment = mpi_environment(base)
     assert environment["OMPI_MCA_btl"] == "self" and environment["HOME"] == "/h"
+    binding = "OMPI_MCA_hwloc_base_binding_policy"
+    assert mpi_environment(base | {binding: "core"})[binding] == "core"
     assert "PMIX_RANK" not in environment and "OMPI_COMM_WORLD_RANK" not in environment

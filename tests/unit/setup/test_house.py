@@ -187,10 +187,12 @@ def test_the_wheel_estimates_plans_and_checks(wheel: Path, scene: Path):
     assert "as it stands: about" in said
 
 
-def test_the_wheel_runs_a_column(wheel: Path, tmp_path: Path):
+# Layered ice compiles its kernel anew, which takes most of a minute: the sources lie elsewhere.
+@pytest.mark.parametrize("scheme", ["zero_layer", pytest.param("bl99", marks=pytest.mark.slow)])
+def test_the_wheel_runs_a_column(wheel: Path, tmp_path: Path, scheme: str):
     era5(HOURS[:49]).to_netcdf(tmp_path / "era5.nc")
     column = [str(wheel / "floeflow"), "column", "era5.nc", "--output", "column.nc"]
-    run([*column, "--scheme", "bl99"], tmp_path)
+    run([*column, "--scheme", scheme], tmp_path)
     with xr.open_dataset(tmp_path / "column.nc") as data:
         assert data.sizes["time"] == 3 and (np.diff(data["ice_volume"].values) > 0).all()
 
