@@ -21,12 +21,19 @@ from floeflow.column import records as r
 from floeflow.column.ocean.ocean import freezing_temperature, heat_to_ice, limit, mix
 from floeflow.column.physics import KELVIN, TINY, jit
 from floeflow.column.ponds.ponds import evolve, flush
-from floeflow.column.records import Column, category_energy, category_water, new_scratch, pond_water
+from floeflow.column.records import (
+    Column,
+    Water,
+    category_energy,
+    category_water,
+    new_scratch,
+    pond_water,
+)
 from floeflow.column.shortwave.absorption import shed_light
 from floeflow.column.shortwave.delta_eddington import MEDIA, ice_media
 from floeflow.column.shortwave.scattering import new_rays
 from floeflow.column.thermodynamics.bl99 import solve_temperatures
-from floeflow.column.thermodynamics.boundary_layer import Air, transfer
+from floeflow.column.thermodynamics.boundary_layer import Air, SurfaceForcing, transfer
 from floeflow.column.thermodynamics.growth import change_thickness
 from floeflow.column.thermodynamics.layers import flood_mush
 from floeflow.column.thermodynamics.mushy import solve_mush
@@ -41,7 +48,7 @@ SKY = 10.0  # K by which a clear sky may make a surface colder than the air
 
 
 @jit
-def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
+def grow_category(c, n, w, rays, air, f, water, sums, dt, p):
     """Advance one category vertically; energy and light (J/m2) that it lets into the sea.
 
     Order: light, turbulent coefficients, temperatures, flooding, thickness, ponds.
@@ -51,24 +58,21 @@ def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
     first = c.snow_enthalpy.shape[1]
     fill(w, ice, snow, c.ice_enthalpy[n], c.snow_enthalpy[n], c.salinity[n], p)
     light, through = shed_light(c, n, ice, snow, first, w, rays, f, dt, p)
-    exchange = transfer(c.surface[n], air, False, p)
-    flooded = carried = water = brine = salt = 0.0
+    sensible, latent = transfer(c.surface[n], air, False, p)
+    above = SurfaceForcing(light, air, sensible, latent)
+    flooded = carried = taken = brine = salt = 0.0
     if p.mushy:
         pond = (c.level[n, r.POND_DEPTH], c.level[n, r.LEVEL_AREA] * c.level[n, r.POND_AREA])
-        found, advected, salt, sinks = solve_mush(
-            w, first, c.surface[n], freezing, light, air, exchange, f[r.SEA_SALINITY], pond, dt, p
-        )
+        found, advected, salt, sinks = solve_mush(w, first, c.surface[n], water, above, pond, dt, p)
         if p.ponds:
             flush(c, n, sinks, dt, sums, p)
         if p.flooding:
-            flooded, water, brine = flood_mush(w, first, freezing, f[r.SEA_SALINITY], p)
+            flooded, taken, brine = flood_mush(w, first, water.freezing, water.salinity, p)
         salt += brine
-        carried = advected * dt - water
+        carried = advected * dt - taken
     else:
-        found = solve_temperatures(w, first, c.surface[n], freezing, light, air, exchange, dt, p)
-    change = change_thickness(
-        w, first, found, ocean, freezing, f[r.SEA_SALINITY], f[r.SNOWFALL], dt, p
-    )
+        found = solve_temperatures(w, first, c.surface[n], water.freezing, above, dt, p)
+    change = change_thickness(w, first, found, water, f[r.SNOWFALL], dt, p)
 
     inside = 0.0
     for k in range(w.source.size):
@@ -99,7 +103,7 @@ def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
 
     if change.ice <= 0.0:
         sums[r.POND_LOST] += category_water(c, n)
-        empty(c, n, freezing)
+        empty(c, n, water.freezing)
     else:
         c.ice[n], c.snow[n] = area * change.ice, area * change.snow
         c.surface[n] = found.temperature
@@ -119,7 +123,7 @@ def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
             sums, p,
         )  # fmt: skip
     # What the sea gets: what found nothing to melt, less what it gave.
-    return area * (change.spare + carried - ocean * dt), area * through * dt
+    return area * (change.spare + carried - water.heat * dt), area * through * dt
 
 
 @jit
@@ -164,10 +168,11 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     if side > 0.0:
         bottom, side = limit(bottom, side, stored, potential, dt)
 
+    under = Water(freezing, f[r.SEA_SALINITY], bottom)
     heat = light = 0.0
     for n in range(c.area.size):
         if c.area[n] > TINY:
-            rest, through = grow_category(c, n, w, rays, air, f, bottom, freezing, sums, dt, p)
+            rest, through = grow_category(c, n, w, rays, air, f, under, sums, dt, p)
             heat += rest
             light += through
     water = pond_water(c)

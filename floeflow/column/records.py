@@ -168,6 +168,24 @@ class Column(NamedTuple):
     level: Array
 
 
+class Water(NamedTuple):
+    """What ice sees of the sea under it in a step.
+
+    Parameters
+    ----------
+    freezing : float
+        Freezing point, which is the temperature of the ice's bottom (degC).
+    salinity : float
+        1e-3.
+    heat : float
+        From the sea into the ice's bottom (W/m2, not negative).
+    """
+
+    freezing: float
+    salinity: float
+    heat: float
+
+
 class Scratch(NamedTuple):
     """Work arrays of the thickness distribution; (ncat,), (ncat + 1,) or (ncat, layers).
 
