@@ -23,6 +23,7 @@ from floeflow.column.physics import KELVIN, TINY, jit
 from floeflow.column.ponds.ponds import evolve, flush
 from floeflow.column.records import (
     Column,
+    Thickness,
     Water,
     category_energy,
     category_water,
@@ -54,10 +55,10 @@ def grow_category(c, n, w, rays, air, f, water, sums, dt, p):
     Order: light, turbulent coefficients, temperatures, flooding, thickness, ponds.
     """
     area = c.area[n]
-    ice, snow = c.ice[n] / area, c.snow[n] / area
+    thickness = Thickness(c.ice[n] / area, c.snow[n] / area)
     first = c.snow_enthalpy.shape[1]
-    fill(w, ice, snow, c.ice_enthalpy[n], c.snow_enthalpy[n], c.salinity[n], p)
-    light, through = shed_light(c, n, ice, snow, first, w, rays, f, dt, p)
+    fill(w, thickness.ice, thickness.snow, c.ice_enthalpy[n], c.snow_enthalpy[n], c.salinity[n], p)
+    light, through = shed_light(c, n, thickness, w, rays, f, dt, p)
     sensible, latent = transfer(c.surface[n], air, False, p)
     above = SurfaceForcing(light, air, sensible, latent)
     flooded = carried = taken = brine = salt = 0.0

@@ -168,6 +168,19 @@ class Column(NamedTuple):
     level: Array
 
 
+class Thickness(NamedTuple):
+    """Of the ice and of the snow of a category (m), where there is ice.
+
+    Parameters
+    ----------
+    ice, snow : float
+        m.
+    """
+
+    ice: float
+    snow: float
+
+
 class Water(NamedTuple):
     """What ice sees of the sea under it in a step.
 
