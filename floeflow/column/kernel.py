@@ -20,7 +20,7 @@ import numba
 from floeflow.column import records as r
 from floeflow.column.ocean.ocean import freezing_temperature, heat_to_ice, limit, mix
 from floeflow.column.physics import KELVIN, TINY, jit
-from floeflow.column.ponds.ponds import evolve, flush
+from floeflow.column.ponds.ponds import PondForcing, evolve, flush
 from floeflow.column.records import (
     Column,
     Thickness,
@@ -119,10 +119,8 @@ def grow_category(c, n, w, rays, air, f, water, sums, dt, p):
         if p.mushy:
             melted += p.snow_density * change.drowned
         warm = f[r.POTENTIAL_TEMPERATURE] - KELVIN
-        evolve(
-            c, n, w, first, change.ice, change.snow, melted, f[r.RAIN] * dt, warm, found.net, dt,
-            sums, p,
-        )  # fmt: skip
+        forcing = PondForcing(melted, f[r.RAIN] * dt, warm, found.net)
+        evolve(c, n, w, Thickness(change.ice, change.snow), forcing, dt, sums, p)
     # What the sea gets: what found nothing to melt, less what it gave.
     return area * (change.spare + carried - water.heat * dt), area * through * dt
 
