@@ -18,7 +18,7 @@ from typing import Any
 import numba
 
 from floeflow.column import records as r
-from floeflow.column.ocean.ocean import freezing_temperature, heat_to_ice, limit, mix
+from floeflow.column.ocean.ocean import MixedLayer, freezing_temperature, heat_to_ice, limit, mix
 from floeflow.column.physics import KELVIN, TINY, jit
 from floeflow.column.ponds.ponds import PondForcing, evolve, flush
 from floeflow.column.records import (
@@ -181,7 +181,7 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     from_air = latent = 0.0
     if not p.mixed:
         pending, side, from_air, latent = lead_balance(c, freezing, lit, air, f[r.DEEP_HEAT], dt, p)
-    freeze_leads(c, s, max(pending, 0.0), freezing, f[r.SEA_SALINITY], w, bounds, sums, p)
+    freeze_leads(c, s, max(pending, 0.0), under, w, bounds, sums, p)
     heat -= melt_sides(c, side, sums)
     if c.area.size == 1:
         open_area(c, s.before[0], bounds[0])
@@ -200,9 +200,8 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     for n in range(c.area.size):
         total += c.area[n]
     leads = max(1.0 - total, 0.0)
-    sea, potential, net, latent, deep = mix(
-        sea, freezing, leads, lit, air, (heat + light) / dt, f[r.DEEP_HEAT], f[r.MIXED_DEPTH], dt, p
-    )
+    layer = MixedLayer(sea, freezing, f[r.MIXED_DEPTH], f[r.DEEP_HEAT])
+    sea, potential, net, latent, deep = mix(layer, leads, lit, air, (heat + light) / dt, dt, p)
     sums[r.AIR_TO_SEA] += dt * (net + lit * leads)
     sums[r.DEEP_TO_SEA] += dt * deep
     sums[r.VAPOUR_SEA] -= dt * latent / p.vapour
