@@ -146,7 +146,7 @@ SUMS = (
 
 
 class Column(NamedTuple):
-    """Views of one element's categories; volumes per effective area.
+    """Views of one element's categories; volumes per effective area. Of n elements: (n, ...).
 
     Parameters
     ----------
@@ -166,6 +166,21 @@ class Column(NamedTuple):
     snow_enthalpy: Array
     salinity: Array
     level: Array
+
+
+class Sea(NamedTuple):
+    """Mixed layers of n elements.
+
+    Parameters
+    ----------
+    temperature : ndarray
+        degC, (n,).
+    pending_freeze : ndarray
+        Energy that the mixed layer lacks, of which the next step makes ice (J/m2), (n,).
+    """
+
+    temperature: Array
+    pending_freeze: Array
 
 
 class Thickness(NamedTuple):
@@ -249,6 +264,24 @@ def new_scratch(categories, ice_layers, snow_layers):
         np.zeros((categories, snow_layers)),
         np.zeros((categories, ice_layers)),
         np.zeros((categories, 5)),
+    )
+
+
+@jit
+def column_of(columns, e):
+    """Column of element e among those of all elements, as views.
+
+    For functions that count no references to arrays alone (`physics.jit`).
+    """
+    return Column(
+        columns.area[e],
+        columns.ice[e],
+        columns.snow[e],
+        columns.surface[e],
+        columns.ice_enthalpy[e],
+        columns.snow_enthalpy[e],
+        columns.salinity[e],
+        columns.level[e],
     )
 
 
