@@ -38,6 +38,7 @@ SNOW_LAYERS = 1
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, error_model="numpy")
     def convert(values, salinity, snow, inverse, constants):
+        """Enthalpies (J/m3) of layers of given temperatures (degC), or ``inverse``; (n,)."""
         digest  # noqa: B018  (part of the key under which Numba caches)
         p = constants[0]
         result = np.zeros_like(values)

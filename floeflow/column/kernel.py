@@ -13,24 +13,34 @@ import hashlib
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 
 from floeflow.column import records as r
-from floeflow.column.ocean.ocean import freezing_temperature, heat_to_ice, limit, mix
+from floeflow.column.ocean.ocean import MixedLayer, freezing_temperature, heat_to_ice, limit, mix
 from floeflow.column.physics import KELVIN, TINY, jit
-from floeflow.column.ponds.ponds import evolve, flush
-from floeflow.column.records import Column, category_energy, category_water, new_scratch, pond_water
+from floeflow.column.ponds.ponds import PondForcing, evolve, flush
+from floeflow.column.records import (
+    Array,
+    Scratch,
+    Thickness,
+    Water,
+    category_energy,
+    category_water,
+    column_of,
+    new_scratch,
+    pond_water,
+)
 from floeflow.column.shortwave.absorption import shed_light
 from floeflow.column.shortwave.delta_eddington import MEDIA, ice_media
-from floeflow.column.shortwave.scattering import new_rays
+from floeflow.column.shortwave.scattering import Rays, new_rays
 from floeflow.column.thermodynamics.bl99 import solve_temperatures
-from floeflow.column.thermodynamics.boundary_layer import Air, transfer
+from floeflow.column.thermodynamics.boundary_layer import Air, SurfaceForcing, transfer
 from floeflow.column.thermodynamics.growth import change_thickness
 from floeflow.column.thermodynamics.layers import flood_mush
 from floeflow.column.thermodynamics.mushy import solve_mush
-from floeflow.column.thermodynamics.profile import fill, new_profile
+from floeflow.column.thermodynamics.profile import Profile, fill, new_profile
 from floeflow.column.thickness.categories import remap
 from floeflow.column.thickness.category_cleanup import clear, empty, melt_sides, open_area, rebin
 from floeflow.column.thickness.leads import lead_balance
@@ -38,37 +48,76 @@ from floeflow.column.thickness.new_ice import freeze_leads
 
 HOUR = 3600.0  # s
 SKY = 10.0  # K by which a clear sky may make a surface colder than the air
+CHUNK = 64  # columns that a thread takes at a time; has no effect on results
+
+
+class Work(NamedTuple):
+    """What a thread works with, one column after the other.
+
+    Parameters
+    ----------
+    bounds : ndarray
+        Of the thickness categories (m), (ncat + 1,).
+    layers : Profile
+        Layers of the category at hand.
+    categories : Scratch
+        Work arrays of the thickness distribution.
+    rays : Rays
+        Work arrays of the light.
+    """
+
+    bounds: Array
+    layers: Profile
+    categories: Scratch
+    rays: Rays
 
 
 @jit
-def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
+def grow_category(c, n, work, f, water, sums, dt, p):
     """Advance one category vertically; energy and light (J/m2) that it lets into the sea.
 
     Order: light, turbulent coefficients, temperatures, flooding, thickness, ponds.
+
+    Parameters
+    ----------
+    c : Column
+        Its category is advanced.
+    n : int
+        Category, with ice.
+    work : Work
+        Work arrays.
+    f : ndarray
+        Forcing, (len(FORCING),).
+    water : Water
+        Under the ice.
+    sums : ndarray
+        Budget terms, added to, (len(SUMS),).
+    dt : float
+        s.
+    p : Physics
+        Constants.
     """
+    w, air = work.layers, air_of(f)
     area = c.area[n]
-    ice, snow = c.ice[n] / area, c.snow[n] / area
+    thickness = Thickness(c.ice[n] / area, c.snow[n] / area)
     first = c.snow_enthalpy.shape[1]
-    fill(w, ice, snow, c.ice_enthalpy[n], c.snow_enthalpy[n], c.salinity[n], p)
-    light, through = shed_light(c, n, ice, snow, first, w, rays, f, dt, p)
-    exchange = transfer(c.surface[n], air, False, p)
-    flooded = carried = water = brine = salt = 0.0
+    fill(w, thickness.ice, thickness.snow, c.ice_enthalpy[n], c.snow_enthalpy[n], c.salinity[n], p)
+    light, through = shed_light(c, n, thickness, w, work.rays, f, dt, p)
+    sensible, latent = transfer(c.surface[n], air, False, p)
+    above = SurfaceForcing(light, air, sensible, latent)
+    flooded = carried = taken = brine = salt = 0.0
     if p.mushy:
         pond = (c.level[n, r.POND_DEPTH], c.level[n, r.LEVEL_AREA] * c.level[n, r.POND_AREA])
-        found, advected, salt, sinks = solve_mush(
-            w, first, c.surface[n], freezing, light, air, exchange, f[r.SEA_SALINITY], pond, dt, p
-        )
+        found, advected, salt, sinks = solve_mush(w, first, c.surface[n], water, above, pond, dt, p)
         if p.ponds:
             flush(c, n, sinks, dt, sums, p)
         if p.flooding:
-            flooded, water, brine = flood_mush(w, first, freezing, f[r.SEA_SALINITY], p)
+            flooded, taken, brine = flood_mush(w, first, water.freezing, water.salinity, p)
         salt += brine
-        carried = advected * dt - water
+        carried = advected * dt - taken
     else:
-        found = solve_temperatures(w, first, c.surface[n], freezing, light, air, exchange, dt, p)
-    change = change_thickness(
-        w, first, found, ocean, freezing, f[r.SEA_SALINITY], f[r.SNOWFALL], dt, p
-    )
+        found = solve_temperatures(w, first, c.surface[n], water.freezing, above, dt, p)
+    change = change_thickness(w, first, found, water, f[r.SNOWFALL], dt, p)
 
     inside = 0.0
     for k in range(w.source.size):
@@ -99,7 +148,7 @@ def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
 
     if change.ice <= 0.0:
         sums[r.POND_LOST] += category_water(c, n)
-        empty(c, n, freezing)
+        empty(c, n, water.freezing)
     else:
         c.ice[n], c.snow[n] = area * change.ice, area * change.snow
         c.surface[n] = found.temperature
@@ -114,16 +163,20 @@ def grow_category(c, n, w, rays, air, f, ocean, freezing, sums, dt, p):
         if p.mushy:
             melted += p.snow_density * change.drowned
         warm = f[r.POTENTIAL_TEMPERATURE] - KELVIN
-        evolve(
-            c, n, w, first, change.ice, change.snow, melted, f[r.RAIN] * dt, warm, found.net, dt,
-            sums, p,
-        )  # fmt: skip
+        forcing = PondForcing(melted, f[r.RAIN] * dt, warm, found.net)
+        evolve(c, n, w, Thickness(change.ice, change.snow), forcing, dt, sums, p)
     # What the sea gets: what found nothing to melt, less what it gave.
-    return area * (change.spare + carried - ocean * dt), area * through * dt
+    return area * (change.spare + carried - water.heat * dt), area * through * dt
 
 
 @jit
-def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
+def air_of(f):
+    """Air in the forcing of a step."""
+    return Air(f[r.POTENTIAL_TEMPERATURE], f[r.HUMIDITY], f[r.DENSITY], f[r.WIND], f[r.LONGWAVE])
+
+
+@jit
+def step_column(c, sea, pending, work, f, sums, dt, p):
     """One step of one column; temperature of the mixed layer and energy to be frozen (J/m2).
 
     Parameters
@@ -134,20 +187,18 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
         Temperature of the mixed layer (degC).
     pending : float
         Energy that the sea lacks and that ice will be made of (J/m2).
-    w, s, rays : Profile, Scratch, Rays
-        Work arrays.
+    work : Work
+        Bounds of the categories, and work arrays.
     f : ndarray
         Forcing, (len(FORCING),).
-    bounds : ndarray
-        Of categories (m).
     sums : ndarray
-        Budget terms, added to.
+        Budget terms, added to, (len(SUMS),).
     dt : float
         s.
     p : Physics
         Constants.
     """
-    air = Air(f[r.POTENTIAL_TEMPERATURE], f[r.HUMIDITY], f[r.DENSITY], f[r.WIND], f[r.LONGWAVE])
+    s, bounds, air = work.categories, work.bounds, air_of(f)
     freezing = freezing_temperature(f[r.SEA_SALINITY], p)
     store = p.heat_water * p.water_density * f[r.MIXED_DEPTH] / dt
     potential = pending / dt
@@ -164,10 +215,11 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     if side > 0.0:
         bottom, side = limit(bottom, side, stored, potential, dt)
 
+    under = Water(freezing, f[r.SEA_SALINITY], bottom)
     heat = light = 0.0
     for n in range(c.area.size):
         if c.area[n] > TINY:
-            rest, through = grow_category(c, n, w, rays, air, f, bottom, freezing, sums, dt, p)
+            rest, through = grow_category(c, n, work, f, under, sums, dt, p)
             heat += rest
             light += through
     water = pond_water(c)
@@ -177,7 +229,7 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     from_air = latent = 0.0
     if not p.mixed:
         pending, side, from_air, latent = lead_balance(c, freezing, lit, air, f[r.DEEP_HEAT], dt, p)
-    freeze_leads(c, s, max(pending, 0.0), freezing, f[r.SEA_SALINITY], w, bounds, sums, p)
+    freeze_leads(c, s, max(pending, 0.0), under, work.layers, bounds, sums, p)
     heat -= melt_sides(c, side, sums)
     if c.area.size == 1:
         open_area(c, s.before[0], bounds[0])
@@ -196,9 +248,8 @@ def step_column(c, sea, pending, w, s, rays, f, bounds, sums, dt, p):
     for n in range(c.area.size):
         total += c.area[n]
     leads = max(1.0 - total, 0.0)
-    sea, potential, net, latent, deep = mix(
-        sea, freezing, leads, lit, air, (heat + light) / dt, f[r.DEEP_HEAT], f[r.MIXED_DEPTH], dt, p
-    )
+    layer = MixedLayer(sea, freezing, f[r.MIXED_DEPTH], f[r.DEEP_HEAT])
+    sea, potential, net, latent, deep = mix(layer, leads, lit, air, (heat + light) / dt, dt, p)
     sums[r.AIR_TO_SEA] += dt * (net + lit * leads)
     sums[r.DEEP_TO_SEA] += dt * deep
     sums[r.VAPOUR_SEA] -= dt * latent / p.vapour
@@ -233,44 +284,74 @@ def parts_of_step(c, f, dt, p):
 
 
 @jit
-def step_some(
-    begin, end, area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea,
-    level, pending, w, s, rays, forcing, bounds, sums, dt, constants,
-):  # fmt: skip
-    """Take elements begin to end - 1 through all steps, one element after the other."""
+def step_some(part, columns, sea, work, forcing, sums, dt, constants):
+    """Take some elements through all steps, one element after the other.
+
+    Parameters
+    ----------
+    part : tuple of int
+        The first of them, and the first after them.
+    columns : Column
+        Of all n elements, (n, ...); advanced.
+    sea : Sea
+        Of all elements, (n,); advanced.
+    work : Work
+        Bounds of the categories, and work arrays.
+    forcing : ndarray
+        (steps, n, len(FORCING)).
+    sums : ndarray
+        Budget terms, added to, (n, len(SUMS)).
+    dt : float
+        Of each step (s).
+    constants : ndarray
+        Record of `Physics`, (1,).
+    """
     p = constants[0]
-    for e in range(begin, end):
-        c = Column(
-            area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e], salinity[e],
-            level[e],
-        )  # fmt: skip
+    for e in range(part[0], part[1]):
+        c = column_of(columns, e)
         for step in range(forcing.shape[0]):
             f = forcing[step, e]
             parts = parts_of_step(c, f, dt, p)
             for _ in range(parts):
-                sea[e], pending[e] = step_column(
-                    c, sea[e], pending[e], w, s, rays, f, bounds, sums[e], dt / parts, p
+                sea.temperature[e], sea.pending_freeze[e] = step_column(
+                    c, sea.temperature[e], sea.pending_freeze[e], work, f, sums[e], dt / parts, p
                 )
 
 
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, parallel=True, error_model="numpy")
-    def advance(
-        area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, sea, pending, level,
-        forcing, profile, bounds, sums, dt, constants, chunk,
-    ):  # fmt: skip
+    def advance(columns, sea, forcing, profile, bounds, sums, dt, constants):
+        """Advance columns by all steps of the forcing.
+
+        Parameters
+        ----------
+        columns : Column
+            Of n elements, (n, ncat) and (n, ncat, layers); advanced.
+        sea : Sea
+            (n,); advanced.
+        forcing : ndarray
+            (steps, n, len(FORCING)).
+        profile : ndarray
+            Fixed salinity of the ice's layers (1e-3), (layers,).
+        bounds : ndarray
+            Of the categories (m), (ncat + 1,).
+        sums : ndarray
+            Budget terms, added to, (n, len(SUMS)).
+        dt : float
+            Of each step (s).
+        constants : ndarray
+            Record of `Physics`, (1,).
+        """
         digest  # noqa: B018  (part of the key under which Numba caches)
-        count = area.shape[0]
-        for part in numba.prange((count + chunk - 1) // chunk):
-            w = new_profile(profile, snow_enthalpy.shape[2], constants)
-            s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
-            rays = new_rays(profile.size + snow_enthalpy.shape[2], MEDIA)
+        count, categories, snow_layers = columns.snow_enthalpy.shape
+        for part in numba.prange((count + CHUNK - 1) // CHUNK):
+            layers = new_profile(profile, snow_layers, constants)
+            scratch = new_scratch(categories, profile.size, snow_layers)
+            rays = new_rays(profile.size + snow_layers, MEDIA)
             ice_media(rays.media, profile.size, constants[0])
-            last = min((part + 1) * chunk, count)
-            step_some(
-                part * chunk, last, area, ice, snow, surface, ice_enthalpy, snow_enthalpy,
-                salinity, sea, level, pending, w, s, rays, forcing, bounds, sums, dt, constants,
-            )  # fmt: skip
+            work = Work(bounds, layers, scratch, rays)
+            span = part * CHUNK, min((part + 1) * CHUNK, count)
+            step_some(span, columns, sea, work, forcing, sums, dt, constants)
 
     return advance
 

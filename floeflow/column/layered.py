@@ -17,12 +17,20 @@ from numpy.typing import NDArray
 
 from floeflow.column.kernel import advance
 from floeflow.column.physics import Physics, as_records
-from floeflow.column.records import FORCING, FORCING_DEFAULTS, LEVEL, SUMS, SUN_HEIGHT, Array
+from floeflow.column.records import (
+    FORCING,
+    FORCING_DEFAULTS,
+    LEVEL,
+    SUMS,
+    SUN_HEIGHT,
+    Array,
+    Column,
+    Sea,
+)
 from floeflow.column.thermodynamics.enthalpy import salinity_profile
 from floeflow.column.unsolved import UnsolvedError
 from floeflow.core.errors import FloeError
 
-CHUNK = 64  # columns that a thread takes at a time; has no effect on results
 _LEFT_OUT = np.empty(0)
 
 
@@ -175,15 +183,23 @@ def step(
     level = np.stack([getattr(after, name) for name in LEVEL], axis=2)
     sums = np.zeros((count, len(SUMS)))
     advance(
-        *(getattr(after, f.name) for f in fields(after) if f.name not in LEVEL),
-        level,
+        Column(
+            after.ice_fraction,
+            after.ice_volume,
+            after.snow_volume,
+            after.surface_temperature,
+            after.ice_enthalpy,
+            after.snow_enthalpy,
+            after.ice_salinity,
+            level,
+        ),
+        Sea(after.sea_temperature, after.pending_freeze),
         np.ascontiguousarray(forcing),
         salinity_profile(after.ice_enthalpy.shape[2], p),
         bounds,
         sums,
         float(dt),
         as_records(p),
-        CHUNK,
     )
     after = replace(after, **{name: level[:, :, k].copy() for k, name in enumerate(LEVEL)})
     named = {name: sums[:, k].copy() for k, name in enumerate(SUMS)}

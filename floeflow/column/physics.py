@@ -24,8 +24,10 @@ jit: Any = numba.njit(error_model="numpy", nogil=True, **_LEAN)
 
 Their arguments carry no types: Numba finds them, and mypy is told not to ask in those files.
 Without counting references to arrays (`_nrt`), which takes half the time otherwise: they can view
-arrays but not make any, for which there is `jit_making`. Without wrappers for Python, which take a
-third of the compilation.
+arrays but not make any, for which there is `jit_making`. A function that counts (`jit_making`, and
+what Python calls) must take no array, view or record of them from one that does not: it would give
+back a reference that nobody took. Without wrappers for Python, which take a third of the
+compilation.
 
 Never with fast-math: a function that Numba has just compiled calls the first copies of the
 functions in it, which were optimised alone, one loaded from the cache calls its own copies, which

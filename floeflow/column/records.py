@@ -146,7 +146,7 @@ SUMS = (
 
 
 class Column(NamedTuple):
-    """Views of one element's categories; volumes per effective area.
+    """Views of one element's categories; volumes per effective area. Of n elements: (n, ...).
 
     Parameters
     ----------
@@ -166,6 +166,52 @@ class Column(NamedTuple):
     snow_enthalpy: Array
     salinity: Array
     level: Array
+
+
+class Sea(NamedTuple):
+    """Mixed layers of n elements.
+
+    Parameters
+    ----------
+    temperature : ndarray
+        degC, (n,).
+    pending_freeze : ndarray
+        Energy that the mixed layer lacks, of which the next step makes ice (J/m2), (n,).
+    """
+
+    temperature: Array
+    pending_freeze: Array
+
+
+class Thickness(NamedTuple):
+    """Of the ice and of the snow of a category (m), where there is ice.
+
+    Parameters
+    ----------
+    ice, snow : float
+        m.
+    """
+
+    ice: float
+    snow: float
+
+
+class Water(NamedTuple):
+    """What ice sees of the sea under it in a step.
+
+    Parameters
+    ----------
+    freezing : float
+        Freezing point, which is the temperature of the ice's bottom (degC).
+    salinity : float
+        1e-3.
+    heat : float
+        From the sea into the ice's bottom (W/m2, not negative).
+    """
+
+    freezing: float
+    salinity: float
+    heat: float
 
 
 class Scratch(NamedTuple):
@@ -218,6 +264,24 @@ def new_scratch(categories, ice_layers, snow_layers):
         np.zeros((categories, snow_layers)),
         np.zeros((categories, ice_layers)),
         np.zeros((categories, 5)),
+    )
+
+
+@jit
+def column_of(columns, e):
+    """Column of element e among those of all elements, as views.
+
+    For functions that count no references to arrays alone (`physics.jit`).
+    """
+    return Column(
+        columns.area[e],
+        columns.ice[e],
+        columns.snow[e],
+        columns.surface[e],
+        columns.ice_enthalpy[e],
+        columns.snow_enthalpy[e],
+        columns.salinity[e],
+        columns.level[e],
     )
 
 

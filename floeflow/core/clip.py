@@ -9,12 +9,21 @@ is bent the clipped outline may run back along itself; that adds no area.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+
+class _Rings(NamedTuple):
+    """Open rings, anticlockwise: starts (n + 1,) and corners (c, 2) in metres."""
+
+    start: Index
+    corner: Array
 
 
 def shared(
@@ -41,12 +50,15 @@ def shared(
     most = int(np.diff(start_a).max(initial=0) + np.diff(start_b).max(initial=0))
     area, centre = np.zeros(len(pair_a)), np.full((len(pair_a), 2), np.nan)
     # Clipping by a half-plane adds at most one corner for each that the outline crosses it.
-    _clip_all(start_a, ring_a, start_b, ring_b, pair_a, pair_b, 2 * most + 8, area, centre)
+    a, b = _Rings(start_a, ring_a), _Rings(start_b, ring_b)
+    _clip_all(a, b, pair_a, pair_b, 2 * most + 8, area, centre)
     return area, centre
 
 
 @njit(cache=True, nogil=True)
-def _clip_all(start_a, ring_a, start_b, ring_b, pair_a, pair_b, room, area, centre):  # type: ignore[no-untyped-def]
+def _clip_all(a, b, pair_a, pair_b, room, area, centre):  # type: ignore[no-untyped-def]
+    start_a, ring_a = a
+    start_b, ring_b = b
     now, then = np.empty((room, 2)), np.empty((room, 2))
     for k in range(len(pair_a)):
         a0, a1 = start_a[pair_a[k]], start_a[pair_a[k] + 1]

@@ -8,6 +8,7 @@ time, so that the same input gives the same bits.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -19,6 +20,32 @@ Flags = NDArray[np.bool_]
 
 # Bins beyond so many times the number of points would only cost memory.
 MOST_BINS = 4
+
+
+class _Bins(NamedTuple):
+    """Points in square bins: lower left corner, side, numbers along x and y, starts, points."""
+
+    x0: float
+    y0: float
+    size: float
+    nx: int
+    ny: int
+    start: Index
+    order: Index
+
+
+class _Places(NamedTuple):
+    """Points or marks (m), and the territory of each; arrays of shape (n,)."""
+
+    x: Array
+    y: Array
+    of: Index
+
+
+def _bins(x: Array, y: Array, size: float) -> _Bins:
+    """Sort points into bins at least as wide as a size (m)."""
+    frame = _frame(x, y, size)
+    return _Bins(*frame, *_binned(x, y, *frame))
 
 
 def _frame(x: Array, y: Array, size: float) -> tuple[float, float, float, int, int]:
@@ -53,8 +80,10 @@ def _binned(x, y, x0, y0, size, nx, ny):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _owners(mx, my, of_mark, x, y, weight, of, frame, start, order, owner):  # type: ignore[no-untyped-def]
-    x0, y0, size, nx, ny = frame
+def _owners(marks, points, weight, bins, owner):  # type: ignore[no-untyped-def]
+    mx, my, of_mark = marks
+    x, y, of = points
+    x0, y0, size, nx, ny, start, order = bins
     most = 0.0
     for k in range(len(weight)):
         most = max(most, weight[k])
@@ -124,16 +153,14 @@ def owners(
     wide, high = float(np.ptp(mx)), float(np.ptp(my))
     size = max(math.sqrt(wide * high / len(x)), max(wide, high) / (16.0 * len(x)))
     size = max(size, max(float(np.abs(x - mx[0]).max()), float(np.abs(y - my[0]).max())) / 1.0e5)
-    frame = _frame(x, y, size)
-    start, order = _binned(x, y, *frame)
     owner = np.empty(len(mx), np.int64)
-    _owners(mx, my, of_mark, x, y, weight, of, frame, start, order, owner)
+    _owners(_Places(mx, my, of_mark), _Places(x, y, of), weight, _bins(x, y, size), owner)
     return owner
 
 
 @njit(cache=True, nogil=True)
-def _thin(x, y, reach, turn, frame, start, order, chosen):  # type: ignore[no-untyped-def]
-    x0, y0, size, nx, ny = frame
+def _thin(x, y, reach, turn, bins, chosen):  # type: ignore[no-untyped-def]
+    x0, y0, size, nx, ny, start, order = bins
     for k in turn:
         i = min(max(int((x[k] - x0) / size), 0), nx - 1)
         j = min(max(int((y[k] - y0) / size), 0), ny - 1)
@@ -172,17 +199,15 @@ def thin(points: Array, priority: Index, distance: float | Array) -> Flags:
     """
     x, y = np.ascontiguousarray(points.T, dtype=float)
     reach = np.broadcast_to(np.asarray(distance, float), len(x)).copy()
-    frame = _frame(x, y, float(reach.max()))
-    start, order = _binned(x, y, *frame)
     chosen = np.zeros(len(x), dtype=bool)
-    _thin(x, y, reach, np.argsort(priority), frame, start, order, chosen)
+    _thin(x, y, reach, np.argsort(priority), _bins(x, y, float(reach.max())), chosen)
     return chosen
 
 
 @njit(cache=True, nogil=True)
-def _pushes(x, y, radius, mobile, share, frame, start, order, px, py):  # type: ignore[no-untyped-def]
+def _pushes(x, y, radius, mobile, share, bins, px, py):  # type: ignore[no-untyped-def]
     """Moves of all discs that would take away a share of each overlap; returns the deepest."""
-    x0, y0, size, nx, ny = frame
+    nx, ny, start, order = bins.nx, bins.ny, bins.start, bins.order
     deepest = 0.0
     for b in range(nx * ny):
         i, j = b % nx, b // nx
@@ -243,17 +268,16 @@ def pushes(points: Array, radius: Array, mobile: int, share: float) -> tuple[Arr
         Largest overlap (m).
     """
     x, y = np.ascontiguousarray(points.T, dtype=float)
-    frame = _frame(x, y, 2.0 * float(radius.max()))
-    start, order = _binned(x, y, *frame)
+    bins = _bins(x, y, 2.0 * float(radius.max()))
     px, py = np.zeros(len(x)), np.zeros(len(x))
     radius = np.ascontiguousarray(radius, dtype=float)
-    deepest = _pushes(x, y, radius, mobile, share, frame, start, order, px, py)
+    deepest = _pushes(x, y, radius, mobile, share, bins, px, py)
     return np.stack([px, py], axis=1)[:mobile], float(deepest)
 
 
 @njit(cache=True, nogil=True)
-def _deepest(x, y, radius, mobile, frame, start, order):  # type: ignore[no-untyped-def]
-    x0, y0, size, nx, ny = frame
+def _deepest(x, y, radius, mobile, bins):  # type: ignore[no-untyped-def]
+    nx, ny, start, order = bins.nx, bins.ny, bins.start, bins.order
     deepest = 0.0
     for b in range(nx * ny):
         i, j = b % nx, b // nx
@@ -296,9 +320,8 @@ def deepest_overlap(
         points, radius, mobile = _repeated(points, radius, mobile, period)
     x, y = np.ascontiguousarray(points.T, dtype=float)
     radius = np.ascontiguousarray(radius, dtype=float)
-    frame = _frame(x, y, 2.0 * float(radius.max()))
-    start, order = _binned(x, y, *frame)
-    return float(_deepest(x, y, radius, mobile, frame, start, order))
+    bins = _bins(x, y, 2.0 * float(radius.max()))
+    return float(_deepest(x, y, radius, mobile, bins))
 
 
 def _repeated(

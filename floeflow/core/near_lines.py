@@ -53,7 +53,8 @@ class NearLines:
         away, foot = np.full(len(points), np.inf), np.full((len(points), 2), np.nan)
         x, y = np.ascontiguousarray(points.T, dtype=float)
         frame = (*self.low, self.size, *self.count)
-        _nearest(x, y, self.ends, self.reach, frame, self.start, self.line, away, foot)
+        held = self.start, self.line
+        _nearest(x, y, self.ends, self.reach, frame, held, away, foot)
         return away, foot
 
 
@@ -111,7 +112,9 @@ def _sort(ends, reach, frame, at, line):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _nearest(x, y, ends, reach, frame, start, line, away, foot):  # type: ignore[no-untyped-def]
+def _nearest(x, y, ends, reach, frame, held, away, foot):  # type: ignore[no-untyped-def]
+    """Write distance and nearest place of points; ``held``: starts of the bins, and their lines."""
+    start, line = held
     x0, y0, size, nx, ny = frame
     for p in range(len(x)):
         i, j = int(math.floor((x[p] - x0) / size)), int(math.floor((y[p] - y0) / size))

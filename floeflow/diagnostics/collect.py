@@ -196,6 +196,8 @@ def summarise_states(
         Elements at the ends of all windows, in order; read once.
     effects : tuple of str
         The scene's effects.
+    domain : Domain
+        The scene's rectangle.
 
     Returns
     -------

@@ -48,6 +48,8 @@ def edge_length(share: Array, sea: Flags, spacing: float, edge: float = EDGE) ->
         Where there is sea.
     spacing : float
         Of the cells (m).
+    edge : float
+        Share from which on a cell counts as ice.
     """
     ice, known = np.nan_to_num(share) >= edge, sea & np.isfinite(share)
     corners = [np.s_[1:, 1:], np.s_[1:, :-1], np.s_[:-1, 1:], np.s_[:-1, :-1]]
@@ -101,6 +103,8 @@ def edge_error(
         Of the sea in the cells (m2).
     spacing : float
         Of the cells (m).
+    edge : float
+        Share from which on a cell counts as ice.
     """
     known = np.isfinite(ours) & np.isfinite(observed) & (area > 0.0)
     here, there = np.nan_to_num(ours) >= edge, np.nan_to_num(observed) >= edge

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
 from floeflow.core import cf_reading as cf
 from floeflow.core import units
@@ -319,7 +320,6 @@ def conversion(variable: cf.Variable, si: str, path: str | Path) -> tuple[float,
     found = _conversion(variable, si)
     if found is None:
         _refuse_units(variable, si, path)
-        raise AssertionError  # not reached
     return found
 
 
@@ -328,7 +328,7 @@ def _conversion(variable: cf.Variable, si: str) -> tuple[float, float] | None:
     return units.conversion(given, si) if given else None
 
 
-def _refuse_units(variable: cf.Variable, si: str, path: str | Path) -> None:
+def _refuse_units(variable: cf.Variable, si: str, path: str | Path) -> NoReturn:
     given = variable.text("units")
     said = f"has units '{given}'" if given else "has no units"
     raise FloeError(f"{path}: variable '{variable.name}' {said}, not such as {si}")
@@ -353,4 +353,3 @@ def scalar_conversion(
             if found is not None and found[1] == 0.0:
                 return factor * found[0], 0.0, summed
     _refuse_units(variable, quantity.si, path)
-    raise AssertionError  # not reached

@@ -160,6 +160,12 @@ def _vector(
     """Times and components along the scene's axes (time, place), m/s.
 
     Each component is a vector along its own direction on the scene's map at its own points.
+
+    Raises
+    ------
+    FloeError
+        For components of different times, that are too fast, whose stress cannot be known, or
+        that cannot be turned to the scene's axes.
     """
     high = names.VECTORS[name].high
     one, other = pair

@@ -124,6 +124,7 @@ class _Search:
         return None
 
     def scalar(self, name: str) -> None:
+        """Find a scalar, what it can be made of, or what stands in for it."""
         found = self.find(name)
         if found is not None:
             self.tracks[name] = found
@@ -154,6 +155,13 @@ class _Search:
             self.without.add(kind)
 
     def vector(self, name: str) -> None:
+        """Find both components of a vector, in one file or apart, or what stands in for it.
+
+        Raises
+        ------
+        FloeError
+            As `find_vector`, where no file has it.
+        """
         fault: FloeError | None = None
         for number, file in enumerate(self.files):
             try:

@@ -45,6 +45,11 @@ def relative_size(
     -------
     ndarray
         (ny, nx), between `keys.smallest` and 1; defined over land and water too.
+
+    Raises
+    ------
+    FloeError
+        For a polygon without a size above 0 and up to 1.
     """
     size = np.ones(grid.shape)
     if keys.coast < 1 and land.any():

@@ -30,6 +30,13 @@ class _SceneLoader(yaml.SafeLoader):
     """Safe YAML that refuses a key given twice and all anchors' merge keys."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        """Construct a mapping.
+
+        Raises
+        ------
+        FloeError
+            Where a key is given twice; names its line.
+        """
         seen: set[str] = set()
         for key_node, _ in node.value:
             name = str(key_node.value)

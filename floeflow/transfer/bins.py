@@ -154,6 +154,12 @@ def open_room(target: Target, area: Array | None = None, *, reach: int = 1) -> R
         is sea.
     reach : int
         Half-width of the hats in grid spacings.
+
+    Raises
+    ------
+    FloeError
+        For a target whose cells have no known area, and for areas of another shape, negative or
+        not finite.
     """
     if area is None:
         if isinstance(target, Mesh):

@@ -26,6 +26,15 @@ from floeflow.transfer.weights import EMPTY
 LEAST_COVERAGE = 1e-12
 
 
+@dataclass(frozen=True)
+class _Closure:
+    """How totals are closed on the grid; as `carry` takes them."""
+
+    near: NDArray[np.bool_] | None
+    ranks: Ranks
+    exact: bool
+
+
 @dataclass
 class Carried:
     """Fields of one set of elements on a grid.
@@ -92,7 +101,7 @@ def carry(
         length that differs, values that are not finite where they count, an amount with nothing
         to sit on.
     """
-    ranks = ranks or Ranks()
+    closure = _Closure(near, ranks or Ranks(), exact)
     carried = Carried()
     amounts = dict(known or {})
     placed = remapper.bins.placed()
@@ -105,7 +114,7 @@ def carry(
         if item.name not in values:
             raise FloeError(f"remap: '{item.name}' has no values")
         try:
-            _carry_one(item, values, amounts, remapper, placed, near, ranks, carried, exact)
+            _carry_one(item, values, amounts, remapper, placed, closure, carried)
         except FloeError as error:
             raise FloeError(f"{item.name}: {error}") from None
         if item.kind == "extensive":
@@ -119,12 +128,11 @@ def _carry_one(
     amounts: Mapping[str, Array],
     remapper: Remapper,
     placed: NDArray[np.bool_],
-    near: NDArray[np.bool_] | None,
-    ranks: Ranks,
+    closure: _Closure,
     carried: Carried,
-    exact: bool,
 ) -> None:
     """Add one field to those carried."""
+    ranks = closure.ranks
     own = values[item.name]
     if own.shape != placed.shape:
         raise FloeError(f"remap: it has shape {own.shape}, but there are {len(placed)} elements")
@@ -132,7 +140,7 @@ def _carry_one(
         amount, result = own, remapper.bins.total(own, ranks)
         if item.parent == ROOM:
             own_total = amount[placed].sum()
-            result, feasible = _fill_room(result, own_total, remapper, near, ranks, exact)
+            result, feasible = _fill_room(result, own_total, remapper, closure)
     else:
         parent = values[item.parent]
         extensive = item.kind == "extensive"
@@ -143,7 +151,7 @@ def _carry_one(
         amount = np.where(parent > 0.0, per, 0.0) * parent
         total = ranks.add(np.array([amount[placed].sum()]))[0]
         on = amounts[item.parent]
-        result, feasible = _average(item, per, on, total, remapper, ranks, exact)
+        result, feasible = _average(item, per, on, total, remapper, closure)
         if extensive:
             result = np.where(np.isfinite(result), result, 0.0) * on
     if item.parent and not feasible:
@@ -156,24 +164,19 @@ def _carry_one(
 
 
 def _fill_room(
-    dealt: Array,
-    own: float,
-    remapper: Remapper,
-    near: NDArray[np.bool_] | None,
-    ranks: Ranks,
-    exact: bool,
+    dealt: Array, own: float, remapper: Remapper, closure: _Closure
 ) -> tuple[Array, bool]:
     """Areas in the cells, none above its sea; cells take of a correction as they are covered."""
     sea = remapper.bins.room.area.ravel()
-    total = ranks.add(np.array([own]))
+    total = closure.ranks.add(np.array([own]))
     dealt = dealt.ravel()
     open_ = (sea > 0.0) & (dealt > 0.0)
-    if near is not None:
-        open_ &= near.ravel()
+    if closure.near is not None:
+        open_ &= closure.near.ravel()
     share = np.divide(dealt, sea, out=np.zeros_like(sea), where=sea > 0.0)
     target = np.where(open_, share, 0.0)
     high = open_.astype(np.float64)
-    if not exact:
+    if not closure.exact:
         return (np.minimum(target, high) * sea).reshape(remapper.bins.room.area.shape), True
     pull = np.clip(target, LEAST_COVERAGE, 1.0)
     # Land weighs nothing; its penalty is any number above 0.
@@ -183,15 +186,15 @@ def _fill_room(
 
 
 def _average(
-    item: Field, per: Array, on: Array, total: float, remapper: Remapper, ranks: Ranks, exact: bool
+    item: Field, per: Array, on: Array, total: float, remapper: Remapper, closure: _Closure
 ) -> tuple[Array, bool]:
     """Bounded averages, with an exact total if asked; NaN where there is nothing of the parent."""
     weights = parent_weights(item, remapper)
-    accurate = weights.apply(per, ranks=ranks).ravel()
-    low, high = (bound.ravel() for bound in weights.bounds(per, ranks))
+    accurate = weights.apply(per, ranks=closure.ranks).ravel()
+    low, high = (bound.ravel() for bound in weights.bounds(per, closure.ranks))
     has = (on.ravel() > 0.0) & (weights.status.ravel() != EMPTY)
     values = np.full(on.size, np.nan)
-    if not exact:
+    if not closure.exact:
         values[has] = np.clip(accurate[has], low[has], high[has])
         return values.reshape(on.shape), True
     found = nearest_bounded(accurate[has], low[has], high[has], on.ravel()[has], total)

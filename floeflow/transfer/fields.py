@@ -79,7 +79,6 @@ def build_remapper(
     *,
     radius: Array | None = None,
     condition_limit: float = CONDITION_LIMIT,
-    fill: float = 0.0,
     ranks: Ranks | None = None,
     nearest: bool = False,
 ) -> Remapper:
@@ -95,7 +94,7 @@ def build_remapper(
         The grid and the sea in its cells.
     radius : ndarray, optional
         As `build_bins` takes it.
-    condition_limit, fill, ranks
+    condition_limit, ranks
         As `build_weights` takes them.
     nearest : bool
         Weights of the nearest element alone instead; of all elements, not of slices.
@@ -109,7 +108,6 @@ def build_remapper(
             *(x, y, amount, room.target),
             reach=room.reach,
             condition_limit=condition_limit,
-            fill=fill,
             pairs=pairs,
             ranks=ranks,
         )

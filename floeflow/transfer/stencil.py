@@ -8,7 +8,7 @@ are sorted by the cell in which the element lies (regular grids) and by element.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numba
 import numpy as np
@@ -50,6 +50,26 @@ class Stencil:
     xi: Array
     eta: Array
     elements: int
+
+
+class Planes(NamedTuple):
+    """What the plane of each node is fitted by; arrays of shape (nodes,).
+
+    Parameters
+    ----------
+    mass : ndarray
+        Sum of hat times weight; 1 where there is none.
+    centre_x, centre_y : ndarray
+        Mean of xi and of eta.
+    tilt_x, tilt_y : ndarray
+        Inverse of the covariance times the centre; 0 for Shepard's average.
+    """
+
+    mass: Array
+    centre_x: Array
+    centre_y: Array
+    tilt_x: Array
+    tilt_y: Array
 
 
 class Target(Protocol):
@@ -177,8 +197,19 @@ def sum_moments(start, element, hat, xi, eta, weight):  # type: ignore[no-untype
 
 
 @jit
-def plane_weights(start, element, hat, xi, eta, weight, mass, cx, cy, gx, gy):  # type: ignore[no-untyped-def]
-    """Weights psi of all pairs; see `floeflow.transfer.weights`."""
+def plane_weights(start, element, hat, xi, eta, weight, planes):  # type: ignore[no-untyped-def]
+    """Weights psi of all pairs, (pairs,); see `floeflow.transfer.weights`.
+
+    Parameters
+    ----------
+    start, element, hat, xi, eta : ndarray
+        Of a `Stencil`.
+    weight : ndarray
+        Amount of the parent in each element, (n,).
+    planes : Planes
+        Of the nodes.
+    """
+    mass, cx, cy, gx, gy = planes
     psi = np.empty(len(element))
     for node in range(len(start) - 1):
         for k in range(start[node], start[node + 1]):

@@ -9,7 +9,7 @@ a pair, so ranks can share the elements.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from floeflow.transfer.bounded import Ranks
 from floeflow.transfer.stencil import (
     Array,
     Index,
+    Planes,
     Stencil,
     Target,
     plane_weights,
@@ -104,6 +105,22 @@ class Weights:
             low, high = -ranks.largest(-low), ranks.largest(high)
         return low.reshape(self.status.shape), high.reshape(self.status.shape)
 
+    def filled(self, distance: float) -> Weights:
+        """Give empty nodes the weights of the nearest node that has some, up to a distance (m)."""
+        status = self.status.ravel().copy()
+        empty, known = np.flatnonzero(status == EMPTY), np.flatnonzero(status != EMPTY)
+        if not (len(empty) and len(known)):
+            return self
+        places = np.stack(self.target.places(), axis=1)
+        empty = empty[np.isfinite(places[empty]).all(axis=1)]
+        away, nearest = cKDTree(places[known]).query(places[empty])
+        near = away <= distance
+        row = np.arange(len(status))
+        row[empty[near]] = known[nearest[near]]
+        status[empty[near]] = FILLED
+        matrix = csr_array(self.matrix[row])
+        return replace(self, matrix=matrix, status=status.reshape(self.status.shape))
+
     def _check(self, field: Array) -> None:
         n = self.matrix.shape[1]
         if field.shape != (n,):
@@ -159,19 +176,19 @@ def moment_condition(moments: Array) -> Array:
     return condition
 
 
-def _planes(moments: Array, fits: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
-    """Mass (nodes,) and centre (2, nodes) of each node's elements, and g of C g = centre.
+def _planes(moments: Array, fits: NDArray[np.bool_]) -> Planes:
+    """Mass and centre of each node's elements, and g of C g = centre.
 
     With the coordinates counted from the centre of the elements, the moment matrix falls apart
     into their mass and a 2 x 2 covariance C, and the weight of an element is
     (1 - g (xi - centre)) hat weight / mass: the same plane with less round-off. Shepard: g = 0.
     """
     mass = np.where(moments[0] > 0.0, moments[0], 1.0)
-    cx, cy = centre = moments[1:3] / mass
+    cx, cy = moments[1:3] / mass
     xx, xy, yy = moments[3:6] / mass - np.stack([cx * cx, cx * cy, cy * cy])
     determinant = np.where(fits, xx * yy - xy * xy, 1.0)
     g = np.stack([yy * cx - xy * cy, xx * cy - xy * cx]) / determinant
-    return mass, centre, np.where(fits, g, 0.0)
+    return Planes(mass, cx, cy, *np.where(fits, g, 0.0))
 
 
 def build_weights(
@@ -182,7 +199,6 @@ def build_weights(
     *,
     reach: int = 1,
     condition_limit: float = CONDITION_LIMIT,
-    fill: float = 0.0,
     pairs: Stencil | None = None,
     ranks: Ranks | None = None,
 ) -> Weights:
@@ -203,9 +219,6 @@ def build_weights(
         Nodes whose scaled moment matrix has a larger condition number (6 for evenly spread
         elements) get Shepard's average. It bounds how far a plane is extrapolated, and its
         round-off.
-    fill : float
-        A node without elements takes the weights of the nearest node that has some, up to this
-        far (m).
     pairs : Stencil, optional
         ``target.pairs(x, y, reach)``, where it is known already.
     ranks : Ranks, optional
@@ -239,12 +252,9 @@ def build_weights(
     condition = moment_condition(moments)
     fits = condition <= condition_limit
     status = np.where(moments[0] > 0.0, np.where(fits, MLS, SHEPARD), EMPTY).astype(np.int8)
-    mass, (cx, cy), (gx, gy) = _planes(moments, fits)
-    s = pairs
-    psi = plane_weights(s.start, s.element, s.hat, s.xi, s.eta, weight, mass, cx, cy, gx, gy)
+    s, planes = pairs, _planes(moments, fits)
+    psi = plane_weights(s.start, s.element, s.hat, s.xi, s.eta, weight, planes)
     matrix = sparse(s.start, s.element, psi, len(x))
-    if fill > 0.0:
-        matrix, status = _fill(matrix, status, target, fill)
     shape = target.shape
     return Weights(matrix, target, status.reshape(shape), condition.reshape(shape), reach)
 
@@ -261,20 +271,3 @@ def sparse(start: Index, element: NDArray[np.int32], data: Array, elements: int)
     if start[-1] < np.iinfo(np.int32).max:
         start = start.astype(np.int32)
     return csr_array((data, element, start), shape=(len(start) - 1, elements))
-
-
-def _fill(
-    matrix: csr_array, status: NDArray[np.int8], target: Target, distance: float
-) -> tuple[csr_array, NDArray[np.int8]]:
-    """Give empty nodes the weights of the nearest node that has some, up to a distance (m)."""
-    empty, known = np.flatnonzero(status == EMPTY), np.flatnonzero(status != EMPTY)
-    if not (len(empty) and len(known)):
-        return matrix, status
-    places = np.stack(target.places(), axis=1)
-    empty = empty[np.isfinite(places[empty]).all(axis=1)]
-    away, nearest = cKDTree(places[known]).query(places[empty])
-    near = away <= distance
-    row, status = np.arange(len(status)), status.copy()
-    row[empty[near]] = known[nearest[near]]
-    status[empty[near]] = FILLED
-    return csr_array(matrix[row]), status

@@ -39,19 +39,24 @@ class Pack(Protocol):
     """What sizes of a run follow from: `Conditions`, or an outline of them."""
 
     @property
-    def elements(self) -> int: ...  # noqa: D102
+    def elements(self) -> int:
+        """Number of elements."""
 
     @property
-    def element_size(self) -> float: ...  # noqa: D102
+    def element_size(self) -> float:
+        """Side of a square of the area of an element (m)."""
 
     @property
-    def concentration(self) -> float: ...  # noqa: D102
+    def concentration(self) -> float:
+        """Of the ice at the start."""
 
     @property
-    def bond_concentration(self) -> float: ...  # noqa: D102
+    def bond_concentration(self) -> float:
+        """Concentration below which ice has no bonds."""
 
     @property
-    def coast_share(self) -> float: ...  # noqa: D102
+    def coast_share(self) -> float:
+        """Share of the ice within an element of land."""
 
 
 @dataclass(frozen=True)

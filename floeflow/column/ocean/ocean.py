@@ -9,10 +9,30 @@ bottom, Maykut and Perovich (1987) and Steele (1992) for the sides.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from floeflow.column.physics import TINY, jit
 from floeflow.column.thermodynamics.boundary_layer import sea_balance
 from floeflow.column.thermodynamics.mush import liquidus
+
+
+class MixedLayer(NamedTuple):
+    """The mixed layer under an element at the start of a step.
+
+    Parameters
+    ----------
+    temperature, freezing : float
+        Temperature and freezing point (degC).
+    depth : float
+        m.
+    deep : float
+        Heat from below (W/m2).
+    """
+
+    temperature: float
+    freezing: float
+    depth: float
+    deep: float
 
 
 @jit
@@ -66,7 +86,7 @@ def limit(bottom, side, stored, potential, dt):
 
 
 @jit
-def mix(sea, freezing, open_water, light, air, heat, deep, depth, dt, p):
+def mix(layer, open_water, light, air, heat, dt, p):
     """Advance the mixed layer; its temperature, the potential (W/m2) and terms of its budget.
 
     Theory, eqs. 25 and 26. Below freezing the layer is put back to its freezing point and the heat
@@ -75,8 +95,8 @@ def mix(sea, freezing, open_water, light, air, heat, deep, depth, dt, p):
 
     Parameters
     ----------
-    sea, freezing : float
-        degC.
+    layer : MixedLayer
+        At the start.
     open_water : float
         Share of the area.
     light : float
@@ -85,10 +105,6 @@ def mix(sea, freezing, open_water, light, air, heat, deep, depth, dt, p):
         Above it.
     heat : float
         From the ice, and light through it (W/m2 of the area).
-    deep : float
-        Heat from below (W/m2).
-    depth : float
-        Of the mixed layer (m).
     dt : float
         s.
     p : Physics
@@ -100,6 +116,7 @@ def mix(sea, freezing, open_water, light, air, heat, deep, depth, dt, p):
         Temperature after (degC), potential, flux from the air (W/m2 of the area, without the light
         absorbed), latent heat (likewise), heat from below that was taken (W/m2).
     """
+    sea, freezing, depth, deep = layer
     store = p.heat_water * p.water_density * depth / dt
     net, latent = sea_balance(sea, light, air, p)
     sea += (net * open_water + heat) / store

@@ -10,6 +10,7 @@ takes no heat along but in mush.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from floeflow.column.physics import TINY, jit
 from floeflow.column.records import (
@@ -32,6 +33,48 @@ LEAST_SLUSH = 0.15  # share of the water in soaked snow from which on a pond sho
 COLD_START = 2.0  # K below melting from which on ponds without lids shrink
 CONTRACTION = 0.01
 FLAW_DEPTH = 0.01  # m
+
+
+class PondForcing(NamedTuple):
+    """What fills ponds in a step, and what their lids see.
+
+    Parameters
+    ----------
+    melted : float
+        Mass of ice and snow that melted at the top (kg/m2).
+    rain : float
+        kg/m2.
+    air : float
+        Temperature of the air (degC).
+    flux : float
+        From the air into the surface (W/m2).
+    """
+
+    melted: float
+    rain: float
+    air: float
+    flux: float
+
+
+class Pond(NamedTuple):
+    """A pond of one category.
+
+    Parameters
+    ----------
+    area : float
+        Share of the ice under the pond.
+    depth : float
+        Of the water (m).
+    flat : float
+        Share of the ice that is level.
+    cover : float
+        Area of the category.
+    """
+
+    area: float
+    depth: float
+    flat: float
+    cover: float
 
 
 @jit
@@ -83,7 +126,7 @@ def flush(c, n, speed, dt, sums, p):
 
 
 @jit
-def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
+def evolve(c, n, w, thickness, forcing, dt, sums, p):
     """Advance the ponds of category n by a step (eqs. 1 and 3 to 5).
 
     Parameters
@@ -94,18 +137,10 @@ def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
         Category.
     w : Profile
         Enthalpies and salinities after the step, for the seepage of Bitz-Lipscomb ice.
-    first : int
-        Number of snow layers.
-    ice, snow : float
-        Thickness after growth and melt (m).
-    melted : float
-        Mass of ice and snow that melted at the top (kg/m2).
-    rain : float
-        kg/m2.
-    air : float
-        Temperature of the air (degC).
-    flux : float
-        From the air into the surface (W/m2).
+    thickness : Thickness
+        After growth and melt.
+    forcing : PondForcing
+        Of the step.
     dt : float
         s.
     sums : ndarray
@@ -113,6 +148,7 @@ def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
     p : Physics
         Constants.
     """
+    ice, snow = thickness
     level, cover = c.level[n], c.area[n]
     level[LID_SHARE] = 0.0
     flat = level[LEVEL_AREA]
@@ -131,11 +167,11 @@ def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
         level[POND_AREA] = level[POND_DEPTH] = level[POND_LID] = 0.0
         return
     catch = p.least_catch + (p.most_catch - p.least_catch) * around
-    gain = catch * (melted + rain) / FRESH
+    gain = catch * (forcing.melted + forcing.rain) / FRESH
     sums[POND_GAIN] += cover * gain
     if p.pond_lids:
         grown, level[LID_SHARE] = lid_growth(
-            lid, depth, gain, air, flux, snow - level[LID_SNOW], dt, p
+            lid, depth, gain, forcing.air, forcing.flux, snow - level[LID_SNOW], dt, p
         )
         lid = max(lid + grown, 0.0)
         frozen = grown * area * p.ice_density / FRESH
@@ -156,7 +192,8 @@ def evolve(c, n, w, first, ice, snow, melted, rain, air, flux, dt, sums, p):
         area = depth = lid = 0.0
     if not p.mushy and p.pond_seepage > TINY and depth > 0.0:
         kept = depth * area
-        area, depth = seep(w, first, ice, snow, area, depth, flat, cover, dt, p)
+        first = c.snow_enthalpy.shape[1]
+        area, depth = seep(w, first, thickness, Pond(area, depth, flat, cover), dt, p)
         sums[POND_DRAINED] += cover * (kept - depth * area)
         water -= kept - depth * area
     sums[POND_LOST] += cover * (water - depth * area)
@@ -211,8 +248,31 @@ def basin(water, flat, p):
 
 
 @jit
-def seep(w, first, ice, snow, area, depth, flat, cover, dt, p):
-    """Area and depth after drainage through Bitz-Lipscomb ice (eq. 6 with eq. 11)."""
+def seep(w, first, thickness, pond, dt, p):
+    """Area and depth of a pond after drainage through Bitz-Lipscomb ice (eq. 6 with eq. 11).
+
+    Parameters
+    ----------
+    w : Profile
+        Enthalpies and salinities.
+    first : int
+        Number of snow layers.
+    thickness : Thickness
+        Of ice and snow.
+    pond : Pond
+        Before.
+    dt : float
+        s.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Share of the ice, and m.
+    """
+    ice, snow = thickness
+    area, depth, flat, cover = pond
     floats = (p.snow_density * snow + p.ice_density * ice) / p.water_density + depth
     head = p.gravity * p.water_density * max(depth + ice - floats, 0.0)
     least = 1.0

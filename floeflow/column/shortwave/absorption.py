@@ -15,18 +15,20 @@ LARGEST_SHARE = 0.9  # of the heat that brings a layer to melting
 
 
 @jit
-def shed_light(c, n, ice, snow, first, w, rays, f, dt, p):
+def shed_light(c, n, thickness, w, rays, f, dt, p):
     """Light absorbed at the surface and passed to the ocean (W/m2); fills ``w.source``.
 
-    Arguments as `shortwave_eddington.absorb_scattered`, after `profile.fill`.
+    Arguments as `delta_eddington.absorb_scattered`, after `profile.fill`.
     """
+    first = c.snow_enthalpy.shape[1]
     if p.delta_eddington:
-        light, through = absorb_scattered(c, n, ice, snow, first, w, rays, f, dt, p)
+        light, through = absorb_scattered(c, n, thickness, w, rays, f, dt, p)
     else:
+        ice, snow = thickness
         light, through = absorb(
             ice, snow, c.surface[n], f[r.VISIBLE], f[r.INFRARED], w.source, first, p
         )
-    if first > 0 and snow <= p.least_snow:
+    if first > 0 and thickness.snow <= p.least_snow:
         # Snow that does not conduct does not warm.
         for k in range(first):
             light += w.source[k]

@@ -10,6 +10,8 @@ layers.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from floeflow.column import records as r
 from floeflow.column.physics import TINY, jit
 from floeflow.column.ponds.ponds import pond_cover
@@ -55,6 +57,29 @@ PONDED = BOTTOM + 1  # ice under ponds: skin, drained, inside, drained in part
 MEDIA = PONDED + 4
 
 
+class Surface(NamedTuple):
+    """One kind of surface of a category, and what light finds under it.
+
+    Parameters
+    ----------
+    kind : int
+        ``BARE``, ``SNOW`` or ``POND``.
+    share : float
+        Of the ice.
+    ice, snow, pond : float
+        Thickness of ice and snow, depth of the pond (m).
+    temperature : float
+        Of ice or snow (degC).
+    """
+
+    kind: int
+    share: float
+    ice: float
+    snow: float
+    pond: float
+    temperature: float
+
+
 @jit
 def ice_media(media, layers, p):
     """Set the media of bare ice, which no category changes."""
@@ -84,7 +109,7 @@ def mix_ice(media, m, scatters, absorbs):
 
 
 @jit
-def absorb_scattered(c, n, ice, snow, first, w, rays, f, dt, p):
+def absorb_scattered(c, n, thickness, w, rays, f, dt, p):
     """Light absorbed at the surface and passed to the ocean (W/m2); fills ``w.source``.
 
     Parameters
@@ -93,10 +118,8 @@ def absorb_scattered(c, n, ice, snow, first, w, rays, f, dt, p):
         Surface temperature, ponds; snow on lids is brought up to date.
     n : int
         Category.
-    ice, snow : float
-        m.
-    first : int
-        Number of snow layers.
+    thickness : Thickness
+        Of ice and snow.
     w : Profile
         Its source is written.
     rays : Rays
@@ -109,6 +132,8 @@ def absorb_scattered(c, n, ice, snow, first, w, rays, f, dt, p):
         Constants.
     """
     w.source[:] = 0.0
+    first = c.snow_enthalpy.shape[1]
+    ice, snow = thickness
     covered = 0.0
     if snow >= p.least_snow:
         covered = 1.0
@@ -124,19 +149,42 @@ def absorb_scattered(c, n, ice, snow, first, w, rays, f, dt, p):
     for kind in range(3):
         share = bare if kind == BARE else (covered if kind == SNOW else wet)
         if share > (TINY if kind == POND else 0.0):
-            surface, below = shine(kind, share, ice, snow, pond, c.surface[n], first, w, rays, f, p)
-            light += surface
+            surface = Surface(kind, share, ice, snow, pond, c.surface[n])
+            absorbed, below = shine(surface, first, w, rays, f, p)
+            light += absorbed
             through += below
     return light, through
 
 
 @jit
-def shine(kind, share, ice, snow, pond, surface, first, w, rays, f, p):
-    """Light absorbed at and passed by one kind of surface; adds to ``w.source``, all by share."""
+def shine(surface, first, w, rays, f, p):
+    """Light absorbed at and passed by one kind of surface; adds to ``w.source``, all by share.
+
+    Parameters
+    ----------
+    surface : Surface
+        The kind of surface.
+    first : int
+        Number of snow layers.
+    w : Profile
+        Its source is added to (W/m2).
+    rays : Rays
+        Work arrays.
+    f : ndarray
+        Forcing, (len(FORCING),).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Absorbed at the surface, and passed to the sea (W/m2 of the category).
+    """
+    kind, share = surface.kind, surface.share
     layers = w.source.size - first
     grain = (0.0, 0, 0.0)
     if kind == SNOW:
-        radius = snow_grains(surface, p) * (1.0 - 0.2 * f[r.DIFFUSE_INFRARED])
+        radius = snow_grains(surface.temperature, p) * (1.0 - 0.2 * f[r.DIFFUSE_INFRARED])
         row, above = grain_place(radius)
         grain = (radius, row, above)
     rays.net[:] = 0.0
@@ -154,8 +202,8 @@ def shine(kind, share, ice, snow, pond, surface, first, w, rays, f, p):
             mix_medium(rays.media, WATER, extinction, albedo, asymmetry)
         elif kind == POND:
             mix_medium(rays.media, WATER, WATER_EXTINCTION[band], 0.0, 0.0)
-            mix_ponded(rays.media, pond, layers, band, p)
-        last = shine_band(kind, band, ice, snow, pond, first, layers, sun, inner, rays, p)
+            mix_ponded(rays.media, surface.pond, layers, band, p)
+        last = shine_band(surface, band, first, layers, sun, inner, rays, p)
         ground = OCEAN_ALBEDO[band] if last == first + layers + 2 else 0.0
         start = first + 1 if kind == BARE else 0
         add_up(rays, start, last, ground, light * (1.0 - diffuse), light * diffuse)
@@ -205,12 +253,28 @@ def sort_of(place, layers, p):
 
 
 @jit
-def shine_band(kind, band, ice, snow, pond, first, layers, sun, inner, rays, p):
+def shine_band(surface, band, first, layers, sun, inner, rays, p):
     """Light of one band through the layers; the interface from which on nothing was looked at.
 
     From the top: the scattering surface of the snow, the rest of its first layer, its other layers
     (or as many of pond water); then those of the ice likewise (eqs. 11 and 12).
+
+    Parameters
+    ----------
+    surface : Surface
+        The kind of surface.
+    band : int
+        Of the light.
+    first, layers : int
+        Number of snow layers and of ice layers.
+    sun, inner : float
+        Cosine of the beam's direction in the air, and in water or ice.
+    rays : Rays
+        Work arrays; what layers and interfaces reflect and transmit is written.
+    p : Physics
+        Constants.
     """
+    kind, ice, snow, pond = surface.kind, surface.ice, surface.snow, surface.pond
     start = first + 1 if kind == BARE else 0
     mirror = 0 if kind == POND else first + 2
     end = first + layers + 2

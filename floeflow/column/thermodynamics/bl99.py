@@ -46,7 +46,7 @@ class Balance(NamedTuple):
 
 
 @jit
-def solve_temperatures(w, first, surface, bottom, light, air, exchange, dt, p):
+def solve_temperatures(w, first, surface, bottom, forcing, dt, p):
     """Temperatures and enthalpies of the layers after dt, and the fluxes at both ends.
 
     Parameters
@@ -57,12 +57,8 @@ def solve_temperatures(w, first, surface, bottom, light, air, exchange, dt, p):
         Number of snow layers.
     surface, bottom : float
         Temperature of the surface at the start, and of the bottom (degC).
-    light : float
-        Absorbed at the surface (W/m2).
-    air : Air
-        Above.
-    exchange : tuple of float
-        Coefficients of sensible and latent heat.
+    forcing : SurfaceForcing
+        Of the surface.
     dt : float
         s.
     p : Physics
@@ -75,13 +71,11 @@ def solve_temperatures(w, first, surface, bottom, light, air, exchange, dt, p):
     # Snow that is too thin keeps what heat it has and lets the ice see the air.
     top = 0 if first > 0 and w.thickness[0] * first > p.least_snow else first
     conductances(w, top, first, p)
-    found = iterate(w, top, first, surface, bottom, light, air, exchange, dt, p)
+    found = iterate(w, top, first, surface, bottom, forcing, dt, p)
     if found.sweeps < 0:
         conductances(w, top, first, p)
-        temperature, sweeps, left = newton(
-            w, top, first, surface, bottom, light, air, exchange, dt, p
-        )
-        net, _, latent, _ = surface_balance(temperature, light, air, exchange[0], exchange[1], p)
+        temperature, sweeps, left = newton(w, top, first, surface, bottom, forcing, dt, p)
+        net, _, latent, _ = surface_balance(temperature, forcing, p)
         into = net
         if temperature >= 0.0:
             into = min(net, -w.conductance[top] * w.temperature[top])
@@ -102,15 +96,12 @@ def closed(w, top, found, dt):
 
 
 @jit
-def iterate(w, top, first, surface, bottom, light, air, exchange, dt, p):
+def iterate(w, top, first, surface, bottom, forcing, dt, p):
     """Repeat linear solves until surface and fluxes stand still; sweeps < 0 where they do not."""
     last_change = 0.0
-    sensible, latent_exchange = exchange
     start = surface
     for sweep in range(1, p.iterations + 1):
-        net, slope, latent, latent_slope = surface_balance(
-            surface, light, air, sensible, latent_exchange, p
-        )
+        net, slope, latent, latent_slope = surface_balance(surface, forcing, p)
         if surface >= 0.0 and net < w.conductance[top] * (surface - w.temperature[top]):
             surface = -TINY
         cold = surface < 0.0

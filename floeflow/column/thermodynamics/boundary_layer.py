@@ -38,6 +38,25 @@ class Air(NamedTuple):
     longwave: float
 
 
+class SurfaceForcing(NamedTuple):
+    """What drives the balance of a surface of ice or snow in a step.
+
+    Parameters
+    ----------
+    light : float
+        Short-wave radiation absorbed at the surface (W/m2).
+    air : Air
+        Above.
+    sensible, latent : float
+        Coefficients of sensible heat (W/m2/K) and of latent heat (W/m2 per kg/kg), of `transfer`.
+    """
+
+    light: float
+    air: Air
+    sensible: float
+    latent: float
+
+
 @jit
 def transfer(temperature, air, sea, p):
     """Coefficients of sensible heat (W/m2/K) and of latent heat (W/m2 per kg/kg).
@@ -101,17 +120,19 @@ def stability(ratio):
 
 
 @jit
-def surface_balance(temperature, light, air, sensible, latent, p):
+def surface_balance(temperature, forcing, p):
     """Fluxes into ice or snow (W/m2), their slope (W/m2/K), latent heat and its slope.
 
-    Light absorbed at the surface, long-wave, sensible, latent (theory, eq. 8).
+    Light absorbed at the surface, long-wave, sensible, latent (theory, eq. 8), at a temperature
+    (degC) under a `SurfaceForcing`.
     """
+    air, sensible, latent = forcing.air, forcing.sensible, forcing.latent
     kelvin = temperature + KELVIN
     humidity = p.vapour_ice * math.exp(-p.vapour_ice_exponent / kelvin) / air.density
     vapour = latent * (air.humidity - humidity)
     vapour_slope = -latent * humidity * p.vapour_ice_exponent / kelvin**2
     emitted = p.emissivity * p.stefan_boltzmann * kelvin**3
-    net = light + p.emissivity * air.longwave - emitted * kelvin + vapour
+    net = forcing.light + p.emissivity * air.longwave - emitted * kelvin + vapour
     net += sensible * (air.potential_temperature - kelvin)
     return net, -4.0 * emitted - sensible + vapour_slope, vapour, vapour_slope
 

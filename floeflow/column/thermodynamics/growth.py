@@ -54,7 +54,7 @@ class Change(NamedTuple):
 
 
 @jit
-def change_thickness(w, first, found, ocean, bottom, sea_salinity, snowfall, dt, p):
+def change_thickness(w, first, found, water, snowfall, dt, p):
     """Advance the thicknesses by the fluxes of a temperature solve.
 
     Parameters
@@ -65,12 +65,8 @@ def change_thickness(w, first, found, ocean, bottom, sea_salinity, snowfall, dt,
         Number of snow layers.
     found : bl99.Balance
         Fluxes at top and bottom.
-    ocean : float
-        Heat from the ocean into the bottom (W/m2, not negative).
-    bottom : float
-        Temperature of the bottom (degC).
-    sea_salinity : float
-        1e-3, for mush.
+    water : Water
+        Under the ice; its salinity is for mush.
     snowfall : float
         kg/m2/s.
     dt : float
@@ -88,11 +84,11 @@ def change_thickness(w, first, found, ocean, bottom, sea_salinity, snowfall, dt,
     vapour = -found.latent * dt
     hoar_enthalpy = w.enthalpy[first]
     hoar_ice, hoar_snow = settle_hoar(w, first, max(-vapour, 0.0), p)
-    base = (found.bottom + ocean) * dt
-    growth, brought = freeze_on(w, max(-base, 0.0), bottom, sea_salinity, p)
+    base = (found.bottom + water.heat) * dt
+    growth, brought = freeze_on(w, max(-base, 0.0), water.freezing, water.salinity, p)
     # Energy of what the ice loses to the sea beside its own melting: brine, and water of the mush.
     washed = -brought - hoar_ice * (hoar_enthalpy - min(hoar_enthalpy - w.water[first], 0.0))
-    salt = growth * sea_salinity + hoar_ice * w.salt[first]
+    salt = growth * water.salinity + hoar_ice * w.salt[first]
     leaving, heat = max(vapour, 0.0), max((found.net - found.top) * dt, 0.0)
     gone_snow = gone_ice = melt_snow = melt_top = melt_bottom = 0.0
     for k in range(z):

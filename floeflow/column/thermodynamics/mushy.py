@@ -28,13 +28,15 @@ LEAST_SALINITY = 0.01  # 1e-3
 
 
 @jit
-def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, pond, dt, p):
+def solve_mush(w, first, surface, water, forcing, pond, dt, p):
     """Temperatures, enthalpies and salinities after dt; fluxes, and heat that brine carries off.
 
-    Arguments and first result as `bl99.solve_temperatures`, but ``pond``: depth (m) and share of
-    the ice. The second is heat that goes to the sea (W/m2), the third the salt that the ice gained
-    (1e-3 m), negative; the last the speed of flushing (m/s).
+    Arguments and first result as `bl99.solve_temperatures`, but ``water``: the `Water` under the
+    ice, and ``pond``: depth (m) and share of the ice. The second is heat that goes to the sea
+    (W/m2), the third the salt that the ice gained (1e-3 m), negative; the last the speed of
+    flushing (m/s).
     """
+    bottom = water.freezing
     z = w.thickness.size
     top = 0 if first > 0 and w.thickness[0] * first > p.least_snow else first
     ice = 0.0
@@ -45,7 +47,7 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, po
     sinks = 0.0
     if p.ponds and p.flushing:
         sinks = flushing(w, first, ice, snow, pond[0], pond[1], dt, p)
-    drain(w, first, ice, surface, bottom, sea_salinity, dt, p)
+    drain(w, first, ice, surface, bottom, water.salinity, dt, p)
     conductances(w, top, first, p)
 
     # Bare mush melts from the temperature on at which its salinity is that of brine.
@@ -55,11 +57,11 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, po
     for k in range(top, z):
         fill_mush(w, top, k, first, bottom, sinks, dt, p)
     eliminate(w, z - top + 1)
-    found = settle_surface(w, top, cold, start, light, air, exchange, p)
+    found = settle_surface(w, top, cold, start, forcing, p)
     sweeps = found.sweeps
     warm = found.temperature > melting if cold else found.net >= found.top
     if warm == cold:
-        found = settle_surface(w, top, not warm, melting, light, air, exchange, p)
+        found = settle_surface(w, top, not warm, melting, forcing, p)
         sweeps += found.sweeps
     w.solution[0] = found.temperature
     for row in range(1, z - top + 1):
@@ -79,7 +81,7 @@ def solve_mush(w, first, surface, bottom, light, air, exchange, sea_salinity, po
         advected -= w.flow[k] * (below - brine_enthalpy(w.temperature[k], p))
     # Pond water comes in at 0 degC, whose enthalpy is zero.
     advected += sinks * brine_enthalpy(w.temperature[z - 1], p)
-    salt = desalinate(w, first, sea_salinity, sinks, dt)
+    salt = desalinate(w, first, water.salinity, sinks, dt)
     found = Balance(
         min(found.temperature, 0.0), found.net, found.latent, found.top, rest - advected, sweeps,
         found.left,
@@ -103,7 +105,7 @@ def eliminate(w, rows):
 
 
 @jit
-def settle_surface(w, top, cold, surface, light, air, exchange, p):
+def settle_surface(w, top, cold, surface, forcing, p):
     """Solve for a surface that is cold, or for one that is kept at its temperature.
 
     A cold surface may come out above melting.
@@ -113,9 +115,7 @@ def settle_surface(w, top, cold, surface, light, air, exchange, p):
     conducts = w.conductance[top]
     while change > p.surface_tolerance and sweeps < p.mush_iterations:
         sweeps += 1
-        net, slope, latent, latent_slope = surface_balance(
-            surface, light, air, exchange[0], exchange[1], p
-        )
+        net, slope, latent, latent_slope = surface_balance(surface, forcing, p)
         change = 0.0
         if cold:
             new = (slope * surface - net - conducts * w.right[1]) / (

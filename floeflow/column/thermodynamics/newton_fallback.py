@@ -24,7 +24,7 @@ BARRIER = 1e8  # W/m2/K: slope of the surface's losses above melting
 
 
 @jit
-def newton(w, top, first, surface, bottom, light, air, exchange, dt, p):
+def newton(w, top, first, surface, bottom, forcing, dt, p):
     """Temperatures and enthalpies after dt; surface temperature, steps, and what is left (K).
 
     Arguments as `bl99.solve_temperatures`; ``top`` is the uppermost layer that counts. What is left
@@ -38,7 +38,7 @@ def newton(w, top, first, surface, bottom, light, air, exchange, dt, p):
     while change > TOLERANCE and steps < p.fallback_iterations:
         steps += 1
         melting = min(surface, 0.0)
-        net, slope, _, _ = surface_balance(melting, light, air, exchange[0], exchange[1], p)
+        net, slope, _, _ = surface_balance(melting, forcing, p)
         if surface > 0.0:
             net -= BARRIER * surface
             slope = -BARRIER

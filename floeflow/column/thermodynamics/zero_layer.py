@@ -75,6 +75,11 @@ def step_with_sea(
 
     A mixed layer takes what air and ice give it and keeps it: `energy_to_ocean` is zero then, and
     `energy_ocean` is what comes from below the layer.
+
+    Raises
+    ------
+    FloeError
+        Where a category has ice but no area.
     """
     lost = (state.ice_volume > 0.0) & ~(state.ice_fraction > 0.0)
     if lost.any():

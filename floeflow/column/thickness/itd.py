@@ -17,30 +17,57 @@ import numpy as np
 
 from floeflow.column.kernel import sources_digest
 from floeflow.column.params import ColumnParams
-from floeflow.column.physics import Physics, as_records
-from floeflow.column.records import CLEARED_ICE, LEVEL, MELT_SNOW, SUMS, Column, new_scratch
+from floeflow.column.physics import Physics, as_records, jit
+from floeflow.column.records import (
+    CLEARED_ICE,
+    LEVEL,
+    MELT_SNOW,
+    SUMS,
+    Column,
+    column_of,
+    new_scratch,
+)
 from floeflow.column.state import Array, ColumnFluxes, ColumnState
 from floeflow.column.thickness.categories import remap
 from floeflow.column.thickness.category_cleanup import clear, rebin
 
 
+@jit
+def remap_some(columns, before, bounds, s, freezing, sums, p):
+    """Move ice of all elements between categories, and clear crumbs away.
+
+    Parameters
+    ----------
+    columns : Column
+        Of n elements, (n, ncat) and (n, ncat, layers); advanced.
+    before : ndarray
+        Thickness before growth and melt (m), (n, ncat).
+    bounds : ndarray
+        Of the categories (m), (ncat + 1,).
+    s : Scratch
+        Work arrays.
+    freezing : float
+        Freezing point of the sea, in the unit of the surface's temperature.
+    sums : ndarray
+        Budget terms, added to, (n, len(SUMS)).
+    p : Physics
+        Constants.
+    """
+    for e in range(columns.area.shape[0]):
+        c = column_of(columns, e)
+        remap(c, before[e], bounds, s, p)
+        rebin(c, s, bounds)
+        clear(c, freezing, sums[e])
+
+
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, error_model="numpy")
-    def remap_all(
-        area, ice, snow, surface, ice_enthalpy, snow_enthalpy, salinity, level, before, bounds,
-        freezing, sums, constants,
-    ):  # fmt: skip
+    def remap_all(columns, before, bounds, freezing, sums, constants):
+        """Call `remap_some`, with ``constants``: `Physics` as a record, (1,)."""
         digest  # noqa: B018  (part of the key under which Numba caches)
-        p = constants[0]
-        s = new_scratch(area.shape[1], ice_enthalpy.shape[2], snow_enthalpy.shape[2])
-        for e in range(area.shape[0]):
-            c = Column(
-                area[e], ice[e], snow[e], surface[e], ice_enthalpy[e], snow_enthalpy[e],
-                salinity[e], level[e],
-            )  # fmt: skip
-            remap(c, before[e], bounds, s, p)
-            rebin(c, s, bounds)
-            clear(c, freezing, sums[e])
+        _, categories, ice_layers = columns.ice_enthalpy.shape
+        s = new_scratch(categories, ice_layers, columns.snow_enthalpy.shape[2])
+        remap_some(columns, before, bounds, s, freezing, sums, constants[0])
 
     return remap_all
 
@@ -72,18 +99,20 @@ def remap_categories(
     params : ColumnParams
         Constants.
     """
-    moved = [
-        np.array(getattr(state, name), order="C")
-        for name in ("ice_fraction", "ice_volume", "snow_volume", "surface_temperature")
-    ]
     shape = (*state.ice_fraction.shape, 1)
-    layers = [np.full(shape, -params.ice_energy), np.full(shape, -params.snow_energy)]
+    columns = Column(
+        area=np.array(state.ice_fraction, order="C"),
+        ice=np.array(state.ice_volume, order="C"),
+        snow=np.array(state.snow_volume, order="C"),
+        surface=np.array(state.surface_temperature, order="C"),
+        ice_enthalpy=np.full(shape, -params.ice_energy),
+        snow_enthalpy=np.full(shape, -params.snow_energy),
+        salinity=np.zeros(shape),
+        level=np.zeros((*shape[:2], len(LEVEL))),
+    )
     sums = np.zeros((shape[0], len(SUMS)))
     _remap_all(
-        *moved,
-        *layers,
-        np.zeros(shape),
-        np.zeros((*shape[:2], len(LEVEL))),
+        columns,
         before,
         bounds,
         params.freezing_temperature,
@@ -94,7 +123,8 @@ def remap_categories(
     ice, snow = np.zeros(shape[:2]), np.zeros(shape[:2])
     ice[:, 0], snow[:, 0] = sums[:, CLEARED_ICE], sums[:, MELT_SNOW]
     cost = (params.ice_energy * ice + params.snow_energy * snow)[:, 0]
-    return ColumnState(*moved), replace(
+    after = ColumnState(columns.area, columns.ice, columns.snow, columns.surface)
+    return after, replace(
         fluxes,
         energy_to_ocean=fluxes.energy_to_ocean - cost,
         melt_base=fluxes.melt_base + ice,

@@ -34,7 +34,7 @@ def frazil(sea_salinity, p):
 
 
 @jit
-def freeze_leads(c, s, energy, freezing, sea_salinity, w, bounds, sums, p):
+def freeze_leads(c, s, energy, water, w, bounds, sums, p):
     """Make ice of the energy (J/m2) that the sea lacks (Hunke et al. 2015; theory, eq. 23).
 
     It gathers in open water, at least ``new_ice_thickness`` thick, in the thinnest category; what
@@ -49,8 +49,8 @@ def freeze_leads(c, s, energy, freezing, sea_salinity, w, bounds, sums, p):
         Work arrays.
     energy : float
         To be taken from the sea, not negative (J/m2).
-    freezing, sea_salinity : float
-        Freezing point (degC) and salinity (1e-3) of the sea.
+    water : Water
+        Freezing point and salinity of the sea.
     w : Profile
         For the fixed profile of salinity.
     bounds : ndarray
@@ -62,7 +62,7 @@ def freeze_leads(c, s, energy, freezing, sea_salinity, w, bounds, sums, p):
     """
     if energy <= 0.0:
         return
-    enthalpy, salinity = frazil(sea_salinity, p)
+    enthalpy, salinity = frazil(water.salinity, p)
     volume = -energy / enthalpy
     sums[NEW_ICE] += volume
     sums[SALT_TO_ICE] += volume * max(salinity, 0.0)
@@ -70,15 +70,15 @@ def freeze_leads(c, s, energy, freezing, sea_salinity, w, bounds, sums, p):
     total = 0.0
     for n in range(c.area.size):
         total += c.area[n]
-    water = max(1.0 - total, 0.0)
+    leads = max(1.0 - total, 0.0)
     area = 0.0
     surplus = volume
-    if water > TINY:
-        thickness = max(volume / water, p.new_ice_thickness)
-        area, surplus = min(volume / thickness, water), 0.0
+    if leads > TINY:
+        thickness = max(volume / leads, p.new_ice_thickness)
+        area, surplus = min(volume / thickness, leads), 0.0
         if c.area.size > 1 and thickness > 0.9 * bounds[1] and total > TINY:
-            area = water
-            surplus = max(volume - 0.9 * bounds[1] * water, 0.0)
+            area = leads
+            surplus = max(volume - 0.9 * bounds[1] * leads, 0.0)
     if surplus > 0.0:
         for n in range(c.area.size):
             part = surplus * c.area[n] / total
@@ -90,7 +90,7 @@ def freeze_leads(c, s, energy, freezing, sea_salinity, w, bounds, sums, p):
             else:
                 thicken(c, n, part, enthalpy, salinity, w)
     if area > 0.0:
-        c.surface[0] = (c.surface[0] * c.area[0] + freezing * area) / (c.area[0] + area)
+        c.surface[0] = (c.surface[0] * c.area[0] + water.freezing * area) / (c.area[0] + area)
         c.surface[0] = min(c.surface[0], 0.0)
         level_amounts(c, 0, s.level[0])
         s.level[0, LEVEL_AREA] += area

@@ -16,6 +16,7 @@ row add up to a full turn. See docs/theory/forces.md, "Time step".
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -81,6 +82,27 @@ class Kinds:
         return self.radius * self.inverse
 
 
+class _Discs(NamedTuple):
+    """Elements or kinds, as `Kinds` has them; arrays of shape (n,)."""
+
+    largest: Array
+    radius: Array
+    thickness: Array
+    inverse: Array
+
+
+class _Neighbours(NamedTuple):
+    """Who may come to touch whom: rows (k,), the first neighbour of each row and the end (n + 1,).
+
+    ``neighbour`` and whether it is ``touching`` already: (pairs,).
+    """
+
+    rows: NDArray[np.int64]
+    start: NDArray[np.int64]
+    neighbour: NDArray[np.int64]
+    touching: NDArray[np.bool_]
+
+
 def contact_room(elements: Arrays, params: EngineParams, way: float = np.inf) -> Room:
     """Bounds of the contacts about each element, friction left out.
 
@@ -102,12 +124,14 @@ def contact_room(elements: Arrays, params: EngineParams, way: float = np.inf) ->
     else:
         kinds = element_kinds(elements)
         n = len(kinds.radius)
-        every = (
-            *(np.arange(n), np.arange(n + 1) * n, np.tile(np.arange(n), n)),
-            np.zeros(n * n, dtype=np.bool_),
+        every = _Neighbours(
+            rows=np.arange(n),
+            start=np.arange(n + 1) * n,
+            neighbour=np.tile(np.arange(n), n),
+            touching=np.zeros(n * n, dtype=np.bool_),
         )
-        sums = _rooms(kinds.largest, kinds.radius, kinds.thickness, kinds.inverse, *every, params)
-        sums = sums[kinds.of]
+        discs = _Discs(kinds.largest, kinds.radius, kinds.thickness, kinds.inverse)
+        sums = _rooms(discs, every, params)[kinds.of]
     mobile = np.asarray(elements["type"]) != FIXED
     sums = sums * np.where(mobile, 1.0 / elements["mass"], 0.0)[:, None]
     return Room(*sums.T)
@@ -132,37 +156,26 @@ def _rooms_near(elements: Arrays, params: EngineParams, way: float) -> Array:
     first, second = first[keep], second[keep]
     start = np.searchsorted(first, np.arange(len(radius) + 1))
     touching = (apart[keep] < radius[first] + radius[second]).astype(np.bool_)
-    listed = np.arange(len(radius)), start, second, touching
+    listed = _Neighbours(np.arange(len(radius)), start, second, touching)
     sums = np.empty((len(radius), 6))
-    sums[order] = _rooms(radius, radius, thickness, inverse, *listed, params)
+    sums[order] = _rooms(_Discs(radius, radius, thickness, inverse), listed, params)
     return sums
 
 
-def _rooms(
-    largest: Array,
-    radius: Array,
-    thickness: Array,
-    inverse: Array,
-    rows: NDArray[np.int64],
-    start: NDArray[np.int64],
-    neighbour: NDArray[np.int64],
-    touching: NDArray[np.bool_],
-    params: EngineParams,
-) -> Array:
+def _rooms(discs: _Discs, listed: _Neighbours, params: EngineParams) -> Array:
     """Sums of the bounds about some elements or kinds (k, 6): see `Room`, before the mass.
 
     Those that overlap already (`touching`) may be more than find room side by side: each counts.
     """
     laws = params.contact_modulus, params.contact_damping
-    discs = np.column_stack([largest, radius, thickness, inverse])
-    lists = start, neighbour, touching
-    return np.asarray(_full_turns(discs, rows, lists, laws, (DAMPING_PER_STEP, params.walls)))
+    caps = DAMPING_PER_STEP, params.walls
+    return np.asarray(_full_turns(np.column_stack(discs), listed, laws, caps))
 
 
 @njit(cache=True)
-def _full_turns(discs, rows, lists, laws, caps):  # type: ignore[no-untyped-def]
+def _full_turns(discs, listed, laws, caps):  # type: ignore[no-untyped-def]
     per_step, walled = caps
-    start, neighbour, touching = lists
+    rows, start, neighbour, touching = listed
     modulus, share_damped = laws
     out = np.zeros((len(rows), 6))
     room = 0

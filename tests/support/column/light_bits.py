@@ -13,7 +13,7 @@ import numpy as np
 
 from floeflow.column.physics import Physics, as_records
 from floeflow.column.records import FORCING, INFRARED, SUN_HEIGHT, VISIBLE
-from floeflow.column.shortwave.delta_eddington import MEDIA, ice_media, shine
+from floeflow.column.shortwave.delta_eddington import MEDIA, Surface, ice_media, shine
 from floeflow.column.shortwave.scattering import new_rays
 from floeflow.column.thermodynamics.enthalpy import salinity_profile
 from floeflow.column.thermodynamics.profile import new_profile
@@ -28,12 +28,12 @@ def absorbed(values, forcing, profile, constants, results):  # type: ignore[no-u
     w, rays = new_profile(profile, 1, constants), new_rays(profile.size + 1, MEDIA)
     ice_media(rays.media, profile.size, p)
     for e in range(values.shape[0]):
-        ice, snow, pond, surface = values[e, 0], values[e, 1], values[e, 2], values[e, 3]
+        ice, snow, pond, warmth = values[e, 0], values[e, 1], values[e, 2], values[e, 3]
         forcing[VISIBLE], forcing[INFRARED] = 52.0, 48.0
         forcing[SUN_HEIGHT] = values[e, 4]
         w.source[:] = 0.0
-        kind = e % 3
-        passed = shine(kind, values[e, 5], ice, snow, pond, surface, 1, w, rays, forcing, p)
+        surface = Surface(e % 3, values[e, 5], ice, snow, pond, warmth)
+        passed = shine(surface, 1, w, rays, forcing, p)
         results[e, 0], results[e, 1] = passed
         results[e, 2:] = w.source
 

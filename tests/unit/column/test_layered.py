@@ -18,7 +18,7 @@ from floeflow.column.records import FORCING, SUMS, level_shares
 from floeflow.column.shortwave.ccsm3 import absorb as compiled_absorb
 from floeflow.column.thermodynamics import boundary_layer as b
 from floeflow.column.thermodynamics import enthalpy as e
-from floeflow.column.thermodynamics.boundary_layer import Air
+from floeflow.column.thermodynamics.boundary_layer import Air, SurfaceForcing
 from floeflow.column.thermodynamics.layers import even_out as compiled_even_out
 from floeflow.column.thermodynamics.profile import new_profile
 from floeflow.column.thickness.categories import category_bounds
@@ -95,11 +95,11 @@ def test_exchange_is_neutral_without_contrast_and_weaker_in_stable_air() -> None
 
 @given(st.floats(-60.0, 0.0))
 def test_slope_of_the_surface_balance_is_its_derivative(temperature: float) -> None:
-    air = Air(255.0, 1e-3, 1.3, 5.0, 200.0)
+    forcing = SurfaceForcing(10.0, Air(255.0, 1e-3, 1.3, 5.0, 200.0), 12.0, 3e4)
     step_size = 1e-3
-    high = surface_balance(temperature + step_size, 10.0, air, 12.0, 3e4, P)
-    low = surface_balance(temperature - step_size, 10.0, air, 12.0, 3e4, P)
-    _, slope, _, latent_slope = surface_balance(temperature, 10.0, air, 12.0, 3e4, P)
+    high = surface_balance(temperature + step_size, forcing, P)
+    low = surface_balance(temperature - step_size, forcing, P)
+    _, slope, _, latent_slope = surface_balance(temperature, forcing, P)
     assert (high[0] - low[0]) / (2 * step_size) == pytest.approx(slope, rel=1e-6)
     assert (high[2] - low[2]) / (2 * step_size) == pytest.approx(latent_slope, rel=1e-5)
 

@@ -202,8 +202,8 @@ def test_broken_files_are_named(tmp_path):
 
 def test_empty_nodes_are_filled_from_the_nearest():
     x, y = np.array([0.2, 0.1, 3.9]), np.array([0.1, 0.3, 2.9])
-    weights = build_weights(x, y, np.ones(3), GRID, fill=1.5)
     plain = build_weights(x, y, np.ones(3), GRID)
+    weights = plain.filled(1.5)
     field = np.array([1.0, 2.0, 7.0])
     out = weights.apply(field, bounded=True)
     was = plain.status != EMPTY
