@@ -36,6 +36,8 @@ KM2, KM3 = 1e6, 1e9
 # (0051, doi 10.5067/8GQ8LZQVL0VL) of 1 February and 18 August 2015.
 EXTENT = {3: 15.9, 9: 7.1}
 INSIDE = {3: 0.76, 9: 0.95}
+WINTER = (11, 12, 1, 2, 3, 4)
+BELOW = ("growth_base", "growth_snow_ice")  # what grows on ice that is there
 
 
 def run(scene: Path, ranks: int) -> float:
@@ -94,6 +96,42 @@ def physics(scene: Scene, folder: Path) -> list[tuple[str, str, str]]:
          f"{100 * moved.median.min():.1f} to {100 * moved.median.max():.1f}", "4 to 10"),
     ]  # fmt: skip
     return rows
+
+
+def deformed(scene: Scene, folder: Path) -> list[tuple[str, str, str]]:
+    """Rows of the table: ridged ice, and what grew where the ice had opened."""
+    with xr.open_dataset(folder / "grid.nc") as grid:
+        ridges, found = season.ridged(grid), season.cycle(grid)
+    series = chunks(folder / "series")
+
+    def sums(*names: str) -> dict[str, float]:
+        every = season.month_sums(series, names, str(scene.time.start), scene.time.window)
+        return {month: value for month, value in every.items() if int(month[5:7]) in WINTER}
+
+    opened, base = sums("growth_new_ice", "growth_dissolved"), sums(*BELOW)
+    closed = sums("ridged_area", "crowded_area")
+    new, rest = sum(opened.values()), sum(base.values())
+    area = dict(zip(found.months.astype(str), found.area, strict=True))
+    metres = [value / area[month] for month, value in opened.items() if month in area]
+    return [
+        ("ridged share of the area, months (%)", percents(ridges.area),
+         "25 to 45 (a model: Mårtensson et al. 2012)"),
+        ("ridged share of the volume, months (%)", percents(ridges.volume),
+         "45 to 60 (a model: Mårtensson et al. 2012)"),
+        ("new ice in openings, November to April, share of what grows (%)",
+         f"{100 * new / (new + rest):.0f}" if new else "not reached",
+         "25 to 40, with its growth until spring (Kwok 2006)"),
+        ("new ice in openings, November to April (m a month)",
+         f"{np.mean(metres):.3f}" if metres else "not reached",
+         "0.07, with its growth until spring (Kwok and Cunningham 2002)"),
+        ("area closed by ridging, November to April (million km2 a month)",
+         " ".join(f"{value / KM2 / 1e6:.2f}" for value in closed.values()), ""),
+    ]  # fmt: skip
+
+
+def percents(shares: np.ndarray) -> str:
+    """Smallest and largest of some shares."""
+    return f"{100 * shares.min():.0f} to {100 * shares.max():.0f}"
 
 
 def costs(folder: Path, wall: float | None, days: float) -> list[tuple[str, str]]:
@@ -167,7 +205,7 @@ def main() -> None:
     folder = RESULTS / scene.name
     wall = None if chosen.keep else run(chosen.scene, chosen.ranks)
     days = scene.time.windows * scene.time.window / season.DAY
-    seasons, spent = physics(scene, folder), costs(folder, wall, days)
+    seasons, spent = physics(scene, folder) + deformed(scene, folder), costs(folder, wall, days)
     show(("", "this run", "published"), seasons)
     show(("part", "seconds a day"), spent)
     told = {"scene": scene.name, "ranks": chosen.ranks, "seasons": seasons, "seconds_a_day": spent}

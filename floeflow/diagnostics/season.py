@@ -94,6 +94,65 @@ def total(series: Iterable[xr.Dataset], name: str) -> float:
     return sum(float(chunk[name].sum()) for chunk in series)
 
 
+def month_sums(
+    series: Iterable[xr.Dataset], names: Iterable[str], start: str, window: float
+) -> dict[str, float]:
+    """Sums of the series' terms over the windows of each month.
+
+    Parameters
+    ----------
+    series : iterable of Dataset
+        Files of ``series/``, one a chunk.
+    names : iterable of str
+        Terms; they are added to each other, and one that a run lacks is nothing.
+    start : str
+        Date of the run's start.
+    window : float
+        Length of a window (s).
+
+    Returns
+    -------
+    dict
+        By the months in which the windows' middles lie, such as ``1982-03``.
+    """
+    found: dict[str, float] = {}
+    wanted = list(names)
+    for chunk in series:
+        ended = window * chunk["window"].values
+        middles = np.datetime64(start, "s") + (ended - 0.5 * window).astype("timedelta64[s]")
+        per = np.zeros(len(middles))
+        for name in wanted:
+            per = per + chunk[name].values if name in chunk else per
+        for month, value in zip(middles.astype("datetime64[M]").astype(str), per, strict=True):
+            found[month] = found.get(month, 0.0) + float(value)
+    return found
+
+
+@dataclass(frozen=True)
+class Ridged:
+    """Shares of the ice's area and of its volume that are ridged (1), by month."""
+
+    months: NDArray[np.datetime64]
+    area: Array
+    volume: Array
+
+
+def ridged(grid: xr.Dataset) -> Ridged:
+    """Share of the ice that is ridged, of monthly means, from ``grid.nc`` with ridges."""
+    grid, sea = with_shares(grid), grid["sea_area"].values
+    share, of_ice, thick, volume = (
+        grid[name].fillna(0.0).values for name in ("siconc", "sirdgconc", "sirdgthick", "sivol")
+    )
+    months = grid["time"].values.astype("datetime64[M]")
+    known, index = np.unique(months, return_inverse=True)
+
+    def sums(values: Array) -> Array:
+        return np.asarray(np.bincount(index, weights=(values * sea).sum(axis=(1, 2))))
+
+    area, amount = share * of_ice, share * of_ice * thick
+    return Ridged(known, sums(area) / sums(share), sums(amount) / sums(volume))
+
+
 @dataclass(frozen=True)
 class Drift:
     """Net displacement of elements of the central basin over a day (m/s): quartiles, by month."""

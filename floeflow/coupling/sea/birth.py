@@ -39,7 +39,8 @@ FILL = 0.84
 # New elements are made of at least this share of a typical one's area, or of their cell's sea, and
 # their discs have at least this share of the radius that their area asks for.
 LEAST_SIZE, LEAST_RADIUS = 0.5, 0.35
-# An element takes water beside it up to this many times the area that its disc stands for.
+# An element takes water beside it up to this many times the area that its disc stands for, or that
+# of a typical one: discs kept off a coast are small for the ice that they carry.
 MOST_AREA = 2.0
 # Ice in a cell without elements joins the nearest one, up to so many grid spacings away.
 FARTHEST = 4.0
@@ -163,7 +164,8 @@ def _join(
     if not (len(mobile) and len(found.cells)):
         return state, found, 0.0
     area, radius = state["area"].values[mobile], state["radius"].values[mobile]
-    room = np.maximum(MOST_AREA * np.pi * radius**2 / FILL - area, 0.0)
+    size = np.maximum(np.pi * radius**2 / FILL, float(state.attrs["typical_area"]))
+    room = np.maximum(MOST_AREA * size - area, 0.0)
     near = _beside(state, found, mobile, places)  # (n, k)
     wish = sparse.csr_array(near * area[:, None])
     held = np.asarray(wish.sum(axis=0)).ravel()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -318,6 +319,27 @@ def test_new_discs_meet_no_other_and_no_land():
     ashore = (x < -HALF + 6 * 1.25e4 + radius * 0.99) & (y < -HALF + 6 * 1.25e4 + radius * 0.99)
     corner = np.hypot(np.maximum(x + HALF - 7.5e4, 0), np.maximum(y + HALF - 7.5e4, 0))
     assert not (ashore & (corner < radius * 0.99)).any()
+
+
+def test_small_discs_take_the_ice_that_forms_beside_them():
+    scene, state, places = pool(warm=0.0)
+    places = replace(places, shore=np.zeros_like(places.shore))  # no room for a new disc
+    # Discs off a coast: each stands for five times its area, and water opened beside them.
+    state["radius"] = state["radius"] * np.sqrt(0.84 / 5.0)
+    opened = 0.3 * state["area"]
+    state["area"] = state["area"] - opened
+    state.attrs["unclaimed_water"] += float(opened.sum())
+    last, terms = windows(scene, state, places, weather(scene, 243.0), 1)
+    assert terms["sea_born"] == 0
+    assert terms["sea_joined"] > 0.9 * float(opened.sum())
+    iced = last["pending_freeze"].values[:, :3]  # of the left half, away from the open water
+    assert iced.max() < 0.01 * last["pending_freeze"].values.max()
+    before, after = stocks(scene, state, places), stocks(scene, last, places)
+    assert after["heat"] - before["heat"] == pytest.approx(terms["energy_stored"], rel=1e-11)
+    grown = sum(v for k, v in terms.items() if k.startswith("growth_"))
+    assert after["ice"] - before["ice"] == pytest.approx(grown, rel=1e-10)
+    typical = float(state.attrs["typical_area"])
+    assert float(last["area"].max()) <= 2.0 * max(typical, float(state["area"].max()))
 
 
 def test_ice_that_leaves_is_counted_by_side():

@@ -97,3 +97,23 @@ def test_gates_and_totals_add_up() -> None:
     ] * 2
     assert season.passed(series, "a") == (6.0, 4.0)
     assert season.total(series, "gate_area_a") == 6.0
+
+
+def test_sums_by_month_of_terms_that_add_up() -> None:
+    names = ("new", "gone", "missing")
+    terms = {"new": ("window", [1.0, 2.0]), "gone": ("window", [0.0, -0.5])}
+    chunks = [xr.Dataset(terms, coords={"window": numbers}) for numbers in ([30, 31], [32, 33])]
+    found = season.month_sums(chunks, names, "1982-01-01T00:00:00", 86400.0)
+    # The 31st window ends with the 31st of January.
+    assert found == {"1982-01": 2.5, "1982-02": 2.5}
+
+
+def test_ridged_shares_of_two_cells() -> None:
+    share, metres = np.array([[1.0, 0.5], [1.0, 0.5]]), np.array([[3.0, 1.0], [3.0, 1.0]])
+    grid = grid_of(share, metres, ["1982-03-01", "1982-03-31"])
+    there, none = [[0.4, 0.0]], [[0.2, 0.0]]
+    grid["sirdgconc"] = (("time", "y", "x"), np.array([there, none]))
+    grid["sirdgthick"] = (("time", "y", "x"), np.array([[[5.0, np.nan]]] * 2))
+    found = season.ridged(grid)
+    np.testing.assert_allclose(found.area, [0.3e7 / 2e7])
+    np.testing.assert_allclose(found.volume, [1.5e7 / 4e7])
