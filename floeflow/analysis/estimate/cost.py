@@ -29,6 +29,8 @@ Coefficients = Mapping[str, float]
 WORK = ("dynamics", "column")
 # Concentration varies within the ice: where the mean is this little below, most has bonds.
 BOND_MARGIN = 0.05
+# Size of elements for which the coefficient of the coast stands, m.
+COAST_SIZE = 1.0e5
 # Layers of ice for which the schemes' coefficients stand.
 LAYERS = 7
 # Effects that have work of their own between windows: the sea, and what cures distortion.
@@ -121,12 +123,20 @@ def critical_step(c: Pack, scene: Scene, effects: Iterable[str], fit: Coefficien
     return c.element_size / math.sqrt(square)
 
 
+def coast_measure(c: Pack) -> float:
+    """What the elements that a coast adds are proportional to, of those aimed at (1).
+
+    Coasts cut elements that lie at them into pieces: a share of all that falls with their size.
+    """
+    return c.coast_share * c.element_size / COAST_SIZE
+
+
 def sizes(c: Pack, scene: Scene, effects: Iterable[str], fit: Coefficients) -> Sizes:
     """Sizes of a run of the scene with these effects."""
     effects = tuple(effects)
     domain = scene.domain
     cells = (domain.x_max - domain.x_min) * (domain.y_max - domain.y_min) / domain.spacing**2
-    coast = fit["coast_elements"] * c.coast_share if "coast" in effects else 0.0
+    coast = fit["coast_elements"] * coast_measure(c) if "coast" in effects else 0.0
     between = scene.time.window / scene.dynamics.samples
     step = scene.dynamics.step_share * critical_step(c, scene, effects, fit)
     steps = math.ceil(between / step) * scene.dynamics.samples * scene.time.windows

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -15,7 +16,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from floeflow.analysis.estimate.conditions import Conditions, conditions
-from floeflow.analysis.estimate.cost import IN_WINDOWS, bonded, column_parts
+from floeflow.analysis.estimate.cost import IN_WINDOWS, bonded, coast_measure, column_parts
 from floeflow.analysis.plan.propose import adjusted
 from floeflow.analysis.studies.outcome import read_outcome, stage_cpu
 from floeflow.analysis.studies.variants import BASE, run_name
@@ -154,19 +155,31 @@ def fit_whole_runs(folders: Iterable[Path], job: float) -> dict[str, float]:
     return {name: median(values) for name, values in found.items() if values}
 
 
-def _solve(rows: list[list[float]], values: list[float]) -> np.ndarray:
-    """Non-negative least squares of relative errors."""
-    scale = np.array(values)
-    matrix = np.array(rows) / scale[:, None]
+def _solve(rows: list[list[float]], values: list[float], runs: Sequence[Run]) -> np.ndarray:
+    """Non-negative least squares of relative errors; every base scene counts as much as another.
+
+    Parameters
+    ----------
+    rows : list of list of float
+        Sizes of each run, (n, k).
+    values : list of float
+        What they took, (n,).
+    runs : sequence of Run
+        Of the rows: a study of a scene has many.
+    """
+    scenes = [run.scene.name.partition("+")[0] for run in runs]
+    many = Counter(scenes)
+    weight = np.array([1.0 / math.sqrt(many[name]) for name in scenes])
+    matrix = np.array(rows) * (weight / np.array(values))[:, None]
     # Columns of one size, so that small coefficients are found as well as large ones.
     size = np.linalg.norm(matrix, axis=0)
     size[size == 0] = 1.0
-    return np.asarray(nnls(matrix / size, np.ones(len(values)))[0] / size)
+    return np.asarray(nnls(matrix / size, weight)[0] / size)
 
 
 def _fit_dynamics(runs: Sequence[Run]) -> dict[str, float]:
     names = [name for name in EFFECTS if plugin_switches((name,))]
-    rows, values = [], []
+    rows, values, used = [], [], []
     for run in runs:
         steps, work = float(run.record["steps"]), float(run.record["element_steps"])
         if run.cpu.get("dynamics", 0.0) > 0 and work:
@@ -175,7 +188,8 @@ def _fit_dynamics(runs: Sequence[Run]) -> dict[str, float]:
                 effects.discard("bonds")
             rows.append([steps, work, *(work * (name in effects) for name in names)])
             values.append(run.cpu["dynamics"])
-    found = _solve(rows, values)
+            used.append(run)
+    found = _solve(rows, values, used)
     keys = ["step", "dynamics", *(f"dynamics_{name}" for name in names)]
     return dict(zip(keys, map(float, found), strict=True))
 
@@ -195,7 +209,7 @@ def _fit_column(runs: Sequence[Run]) -> dict[str, float]:
         rows.append([float(run.scene.time.windows), work, *often])
     if not rows:
         return {}
-    found = _solve(rows, [run.cpu["column"] for run in some])
+    found = _solve(rows, [run.cpu["column"] for run in some], some)
     keys = ["column_start", "column", *(f"column_{name}" for name in names)]
     return dict(zip(keys, map(float, found), strict=True))
 
@@ -225,7 +239,7 @@ def _fit_jobs(runs: Sequence[Run]) -> dict[str, float]:
     for name, values in slopes.items():
         if values:
             found[name] = max(0.0, median(values))
-    rows, values = [], []
+    rows, values, used = [], [], []
     for run in runs:
         if "window" in run.cpu:
             windows = float(run.scene.time.windows)
@@ -233,11 +247,12 @@ def _fit_jobs(runs: Sequence[Run]) -> dict[str, float]:
             own = [each * (name in run.scene.effects) for name in IN_WINDOWS]
             rows.append([float(run.launched), windows, each, *own])
             values.append(max(run.cpu["window"], 1e-3))
+            used.append(run)
     if not rows:
         return found
     keys = ["launch", "window", "window_per_element", *(f"window_{n}" for n in IN_WINDOWS)]
     told = [any(column) for column in zip(*rows, strict=True)]
-    solved = zip(keys, _solve(rows, values), told, strict=True)
+    solved = zip(keys, _solve(rows, values, used), told, strict=True)
     return {**found, **{name: float(value) for name, value, there in solved if there}}
 
 
@@ -256,16 +271,15 @@ def _fit_steps(runs: Sequence[Run]) -> dict[str, float]:
         held = bonded(run.conditions, effects)
         rows.append([contacts, contacts * ("friction" in effects), bonds * held])
         values.append((run.conditions.element_size / critical) ** 2)
-    told = [any(column) for column in zip(*rows, strict=True)]
     names = ("step_contacts", "step_friction", "step_bonds")
-    # What costs no step at all is a factor that is large, not infinite.
-    found = 1.0 / np.sqrt(np.maximum(_solve(rows, values), 1e-6))
-    return {n: float(f) for n, f, there in zip(names, found, told, strict=True) if there}
+    found = _solve(rows, values, runs)
+    # What costs no step in these runs is not known from them.
+    return {n: float(1.0 / math.sqrt(f)) for n, f in zip(names, found, strict=True) if f > 1e-6}
 
 
 def _fit_coast(runs: Sequence[Run]) -> dict[str, float]:
     ratios = [
-        (run.record["elements"] / run.conditions.elements - 1.0) / run.conditions.coast_share
+        (run.record["elements"] / run.conditions.elements - 1.0) / coast_measure(run.conditions)
         for run in runs
         if "coast" in run.scene.effects and run.conditions.coast_share > 0.01
     ]

@@ -54,7 +54,9 @@ def fitted_to_pack(scene: Scene, c: Conditions, fit: Coefficients) -> Coefficien
     # As far as elements come in a window: the smallest of a fjord are no neighbours of all.
     way = nearing(scene, elements, forcing)
     step = critical_step(elements, pairs, engine_params(scene), way)[0]
-    typical = cost.critical_step(adjusted(c, scene), scene, scene.effects, fit)
+    own = adjusted(c, scene)
+    typical = cost.critical_step(own, scene, scene.effects, fit)
     longer = {name: step / typical * fit[name] for name in fit if name.startswith("step_")}
-    share = coast / mobile / c.coast_share if c.coast_share else fit["coast_elements"]
+    measure, more = cost.coast_measure(own), (mobile + coast) / keys.elements - 1.0
+    share = max(more, 0.0) / measure if measure else fit["coast_elements"]
     return {**fit, **longer, "coast_elements": share}
