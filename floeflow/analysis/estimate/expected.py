@@ -12,13 +12,15 @@ from floeflow.analysis.estimate.resources import outline
 if TYPE_CHECKING:
     from floeflow.scene import Scene
 
-# Bytes on disk: of an element in a state and in a snapshot, without and for each category; of a
-# cell of the grid in all fields of a time; of a cell of the mask's grid in preprocessing; of what
-# every run has (report, logs). Measured with `du` on runs of the default scene, the Arctic year and
-# `smoke`; other effects bring other variables, so they are good to a factor of about 1.5.
-STATE, STATE_CATEGORY = 1500.0, 300.0
-SNAPSHOT, SNAPSHOT_CATEGORY = 600.0, 60.0
-FIELDS, MASK, EVERY_RUN = 150.0, 60.0, 4e6
+# Bytes on disk: of an element in a state, for each category, and for each of its layers; of an
+# element in a snapshot (kept twice, by window and by chunk), for each category, and of its outline
+# and drift where cells are remapped; of a cell of the grid in all fields of a time (kept twice too);
+# of a cell of the mask's grid in preprocessing; of what every run has (report, figures, logs).
+# Measured with `du` on the default scene, three days of the Arctic year, and `smoke`, and good to a
+# factor of 1.5 there.
+STATE, STATE_CATEGORY, STATE_LAYER = 350.0, 40.0, 8.0
+SNAPSHOT, SNAPSHOT_CATEGORY, SNAPSHOT_CELL = 200.0, 60.0, 600.0
+FIELDS, MASK, EVERY_RUN = 70.0, 200.0, 7e6
 
 
 @dataclass(frozen=True)
@@ -65,11 +67,17 @@ def expected(scene: Scene, ranks: int) -> Expected:
 
 def disk_size(scene: Scene, s: Sizes) -> float:
     """Bytes of the results of a run."""
-    many = scene.column.categories if "thermodynamics" in scene.effects else 1
+    column = scene.column
+    many = column.categories if "thermodynamics" in scene.effects else 1
+    # Mushy ice keeps the salinity of its layers too.
+    layers = {"zero_layer": 0, "bl99": 1, "mushy": 2}[column.scheme] * (1 + column.layers)
+    state = STATE + many * (STATE_CATEGORY + layers * STATE_LAYER)
+    snapshot = SNAPSHOT + many * SNAPSHOT_CATEGORY
+    if {"remap", "merge"} & set(scene.effects):
+        snapshot += SNAPSHOT_CELL
     states = s.windows if scene.state.keep == "all" else s.launches
     size = EVERY_RUN + MASK * s.mask_cells
-    size += (states + 1) * s.elements * (STATE + STATE_CATEGORY * many)
-    size += s.windows * s.elements * (SNAPSHOT + SNAPSHOT_CATEGORY * many)
+    size += s.elements * ((states + 1) * state + s.windows * snapshot)
     if "grid_output" in scene.effects:
         size += (s.windows + 1) * s.cells * FIELDS
     return size
