@@ -27,6 +27,8 @@ def test_settings_of_mpi_that_start_no_rank_are_told(
 ):
     scene = parse_scene(b"", "a").model_dump(mode="json")
     job = Job(scene, str(tmp_path / "none.nc"), ["0001"], 0, ["hash"], str(tmp_path), {})
+    for name in [name for name in os.environ if name.startswith("OMPI_MCA_")]:
+        monkeypatch.delenv(name)
     for name, value in case["environment"].items():
         monkeypatch.setenv(name, value)
     with pytest.raises(FloeError) as fault:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import io
 import logging
+import os
 from pathlib import Path
 
 import pytest
@@ -77,6 +78,8 @@ def test_ranks_that_say_nothing_are_quoted_from_their_log(job: Job, tmp_path: Pa
 
 def test_the_box_of_mpi_is_a_sentence(job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     log, line = tmp_path / "ranks.log", "-" * 74
+    for name in [name for name in os.environ if name.startswith("OMPI_MCA_")]:
+        monkeypatch.delenv(name)
     monkeypatch.setenv("OMPI_MCA_btl", "nonsense")
     log.write_text(
         f"{line}\nPrimary job  terminated normally, but 1 process returned\na non-zero exit code.\n"
