@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 # Bytes on disk: of an element in a state, for each category, and for each of its layers; of an
 # element in a snapshot (kept twice, by window and by chunk), for each category, and of its outline
-# and drift where cells are remapped; of a cell of the grid in all fields of a time (kept twice too);
+# and drift where cells are remapped; of a cell of the grid in all fields of a time (twice too);
 # of a cell of the mask's grid in preprocessing; of what every run has (report, figures, logs).
 # Measured with `du` on the default scene, three days of the Arctic year, and `smoke`, and good to a
 # factor of 1.5 there.

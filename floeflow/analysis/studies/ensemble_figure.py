@@ -21,9 +21,10 @@ CAPTION = (
     "largest change of any statistic, vertical lines reach up to the largest that the intervals "
     "allow, horizontal lines are the intervals of the cost. The ring is the scene run again: what "
     "lies in the hatched area cannot be told from chance with so many members. To the left is "
-    "what coarser settings lose, to the right what the scene's own setting still lacks. Grey: "
-    "another setting costs less and is shown to change less."
+    "what coarser settings lose, to the right what the scene's own setting still lacks. Grey: a "
+    "coarser setting that costs more than another which is shown to change less."
 )
+NAMES = {AGAIN: "the scene again", TOGETHER: "all settings"}
 # How the scene run again is marked.
 HOLLOW: dict[str, Any] = {**RING, "markerfacecolor": "none"}
 
@@ -35,16 +36,19 @@ def ensemble_figure(study: Ensemble) -> Figure:
     with look():
         figure = new_figure(8.2, 5.0)
         axes = figure.add_subplot()
-        styles = dict(zip(groups, cycle(STYLES), strict=False))
+        # Grey is for what another setting beats.
+        strong = [style for style in STYLES if style[0] != FAINT]
+        styles = dict(zip(groups, cycle(strong), strict=False))
         styles |= {TOGETHER: (INK, "*", "-"), AGAIN: (INK, "o", "-")}
-        labelled: set[str] = set()
+        for group in (AGAIN, *groups, TOGETHER):
+            colour, mark, _ = styles[group]
+            label = NAMES.get(group, group.replace("_", " "))
+            ring = HOLLOW if group == AGAIN else {"markersize": 6}
+            axes.plot([], [], mark, color=colour, label=label, **ring)
         for row in rows:
             colour, mark, _ = styles[row.group]
             grey = row.name != AGAIN and is_beaten(row, study.rows)
             least = max(row.change, 1e-4)
-            label = {AGAIN: "the scene again", TOGETHER: "all settings"}.get(
-                row.group, row.group.replace("_", " ")
-            )
             axes.errorbar(
                 row.cost.mean,
                 least,
@@ -54,10 +58,9 @@ def ensemble_figure(study: Ensemble) -> Figure:
                 color=FAINT if grey else colour,
                 alpha=0.6 if grey else 1.0,
                 elinewidth=1.0,
-                label="_" if label in labelled else label,
+                label="_",
                 **(HOLLOW if row.name == AGAIN else {"markersize": 6}),
             )
-            labelled.add(label)
             if not grey and row.name != AGAIN:
                 axes.annotate(
                     _short(row),

@@ -97,8 +97,8 @@ def setting_table(study: Ensemble) -> Table:
     head = ("setting", "members", "cost (of the scene's)", "largest change (%)", "of", *shown_to)
     note = (
         "'within': all statistics are shown to change by less. 'beyond': one is shown to change by "
-        "more. 'not known': the interval allows both. In brackets: another setting costs less and "
-        "is shown to change less."
+        "more. 'not known': the interval allows both. In brackets: a coarser setting that costs "
+        "more than another which is shown to change less."
     )
     return Table("Settings", head, rows, note)
 

@@ -34,7 +34,7 @@ ROUND_OFF = 1.0e-9
 # Statistics by name, and to what their differences are relative.
 STATISTICS: Mapping[str, str] = {
     "drift_speed": "drift in boxes of 150 km, its size: share of the mean of the scene's members",
-    "drift_direction": "drift in boxes of 150 km, its direction: radians",
+    "drift_direction": "drift in boxes of 150 km, its direction: radians (1 % is 0.6 degrees)",
     "drift_pattern": "drift in boxes of 150 km, what size and direction leave: share of its rms",
     "deformation": "mean deformation rate of boxes: share of it",
     "strong_deformation": "its 90th percentile: share of it",
@@ -300,8 +300,11 @@ def wishes(study: Ensemble, shares: Sequence[float]) -> list[Wish]:
 
 
 def is_beaten(row: Row, rows: Sequence[Row]) -> bool:
-    """Whether another setting is cheaper and is shown to change less."""
-    return any(
+    """Whether a setting cheaper than the scene's is dearer than one that is shown to change less.
+
+    What a dearer setting changes is no loss: it is what the scene's own still lacks.
+    """
+    return row.cost.mean < 1.0 and any(
         other.cost.mean < row.cost.mean and other.bound <= row.bound
         for other in rows
         if other is not row and other.name != AGAIN

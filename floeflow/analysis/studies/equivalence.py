@@ -19,9 +19,9 @@ from scipy import stats
 Array = NDArray[np.float64]
 
 WITHIN, BEYOND, UNKNOWN = "within", "beyond", "not known"
-# A sample whose variance exceeds the pooled one by more than chance allows once in a hundred times
-# counts with its own.
-ODD = 0.99
+# A sample whose variance exceeds the pooled one by more than chance allows once in a thousand times
+# counts with its own; a study compares some hundreds.
+ODD = 0.999
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,15 @@ def pool(samples: Sequence[Array]) -> Spread:
     return Spread(squares / freedom if freedom else math.nan, freedom)
 
 
+def without(spread: Spread, part: Spread) -> Spread:
+    """A pooled variance without that of one of its samples."""
+    freedom = spread.freedom - part.freedom
+    if freedom <= 0 or not part.freedom:
+        return spread if not part.freedom else Spread(math.nan, 0)
+    rest = spread.variance * spread.freedom - part.variance * part.freedom
+    return Spread(max(rest, 0.0) / freedom, freedom)
+
+
 def difference(own: Array, base: Array, spread: Spread, confidence: float) -> Interval:
     """Difference of two means with its interval (Student's, of pooled variance).
 
@@ -67,7 +76,7 @@ def difference(own: Array, base: Array, spread: Spread, confidence: float) -> In
     own, base : ndarray
         Values of the members, (n,) and (m,).
     spread : Spread
-        Pooled over all settings that are compared with the base.
+        Pooled over all settings that are compared with the base, this one included.
     confidence : float
         Of the two-sided interval, such as 0.95.
 
@@ -78,10 +87,11 @@ def difference(own: Array, base: Array, spread: Spread, confidence: float) -> In
     """
     mean = float(own.mean() - base.mean())
     mine = pool([own])
+    others = without(spread, mine)
     used = spread
-    if mine.freedom and spread.variance > 0.0:
-        odd = stats.f.ppf(ODD, mine.freedom, spread.freedom)
-        used = mine if mine.variance > odd * spread.variance else spread
+    if mine.freedom and others.freedom and others.variance > 0.0:
+        most = stats.f.ppf(ODD, mine.freedom, others.freedom) * others.variance
+        used, spread = (mine, others) if mine.variance > most else (spread, spread)
     if not used.freedom:
         return Interval(mean, -math.inf, math.inf)
     error = math.sqrt(used.variance / len(own) + spread.variance / len(base))
