@@ -103,7 +103,7 @@ studies: setup ## ablation and accuracy of the example scenes, ensembles where i
 	            --config scene=config/scenes/$$scene.yaml -- $$study; \
 	    done; done
 	@.venv/bin/snakemake --profile workflows/profiles/local --keep-going \
-	    --config scene=config/scenes/arctic_week.yaml -- ensemble
+	    --config scene=config/scenes/arctic_week.yaml -- ablation ensemble
 	.venv/bin/floeflow plan --refit
 	.venv/bin/python -m floeflow.analysis.studies.document
 

@@ -122,6 +122,10 @@ def write_ensembles(results: Path) -> Path | None:
             study = ensemble_table(records)
             write_png(ensemble_figure(study), IMAGES / f"{name}_ensemble.png", DPI)
             sections.append(ensemble_section(scene, study))
+            if records := study_records(scene, "ablation", results):
+                effects = ablation_table(scene, records, scene_estimates(scene))
+                write_png(ablation_figure(effects), IMAGES / f"{name}_ablation.png", DPI)
+                sections.append(effects_section(scene, effects))
     if not sections:
         return None
     head = ENSEMBLE_HEAD.format(machine=machine())
