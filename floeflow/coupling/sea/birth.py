@@ -173,6 +173,10 @@ def _join(
     wish = sparse.csr_array(wish * per[None, :])  # m2 of each cell's water
     asked = np.asarray(wish.sum(axis=1)).ravel()
     part = np.minimum(np.divide(room, asked, out=np.ones_like(room), where=asked > 0.0), 1.0)
+    # Where elements overlap by the shares, other cells seem open: no more water is given than is
+    # no element's.
+    whole, there = float(asked @ part), max(float(state.attrs["unclaimed_water"]), 0.0)
+    part = part * min(1.0, there / whole) if whole > 0.0 else part
     given = sparse.csr_array(wish * part[:, None])
     taken = np.asarray(given.sum(axis=0)).ravel()
     old = element_values(state, mobile)
@@ -186,9 +190,9 @@ def _join(
     grows = asked * part > 0.0
     changed = {}
     for name, value in values.items():
-        whole = state[name].values.copy()
-        whole[mobile[grows]] = value[grows]
-        changed[name] = (state[name].dims, whole)
+        column = state[name].values.copy()
+        column[mobile[grows]] = value[grows]
+        changed[name] = (state[name].dims, column)
     state = state.assign(changed)
     water = float(taken.sum())
     state.attrs["unclaimed_water"] = float(state.attrs["unclaimed_water"]) - water

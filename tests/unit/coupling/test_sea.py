@@ -342,6 +342,18 @@ def test_small_discs_take_the_ice_that_forms_beside_them():
     assert float(last["area"].max()) <= 2.0 * max(typical, float(state["area"].max()))
 
 
+def test_no_more_water_is_given_than_is_no_element_s():
+    """Where elements overlap by the shares, cells seem open whose water is another's."""
+    scene, state, places = pool(warm=0.0)
+    places = replace(places, shore=np.zeros_like(places.shore))
+    opened = 0.3 * state["area"]
+    state["area"] = state["area"] - opened
+    state.attrs["unclaimed_water"] = there = 0.1 * float(opened.sum())
+    last, terms = windows(scene, state, places, weather(scene, 243.0), 1)
+    assert 0.0 < terms["sea_joined"] <= there * (1.0 + 1e-12)
+    assert last.attrs["unclaimed_water"] >= -1e-9 * there
+
+
 def test_ice_that_leaves_is_counted_by_side():
     scene, state, _ = pool()
     shifted = state.copy(deep=True)
