@@ -15,6 +15,8 @@ from matplotlib.figure import Figure
 from support.beside import pytest_runtestloop  # noqa: F401
 
 PROJECT = Path(__file__).resolve().parents[1]
+# Of this process when the tests began.
+PROCESSORS = os.sched_getaffinity(0)
 
 # How a test begins to say that it was skipped for want of reference data.
 NO_DATA = "no reference data"
@@ -39,6 +41,11 @@ def shared(pytestconfig: pytest.Config) -> Path:
         said = f"{NO_DATA} at {folder} (FLOEFLOW_SHARED names another folder)"
         (pytest.fail if pytestconfig.getoption("--references") else pytest.skip)(said)
     return folder
+
+
+def pytest_runtest_setup() -> None:
+    """Let each test run on all processors: MPI in this process binds it where ranks are bound."""
+    os.sched_setaffinity(0, PROCESSORS)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

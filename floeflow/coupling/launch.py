@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Start the MPI ranks of a chunk, show their progress, turn their faults into one sentence."""
 
+import contextlib
 import json
 import logging
 import os
@@ -58,8 +59,11 @@ def run_ranks(job: Job, ranks: int, log: Path, launcher: tuple[str, ...] = ("mpi
             raise FloeError(f"{launcher[0]} cannot be started: {error.strerror}") from None
         with ranks_process:
             assert ranks_process.stdin is not None and ranks_process.stdout is not None
-            ranks_process.stdin.write(job.to_json() + "\n")
-            ranks_process.stdin.close()
+            # MPI that does not start reads nothing; its log says why.
+            with contextlib.suppress(BrokenPipeError):
+                ranks_process.stdin.write(job.to_json() + "\n")
+            with contextlib.suppress(BrokenPipeError):
+                ranks_process.stdin.close()
             for text in ranks_process.stdout:
                 for event in _events(text):
                     if "step" in event:
@@ -93,10 +97,13 @@ def _last_words(job: Job, log: Path, code: int) -> str:
                     span = f"windows {job.windows[job.done]} to {job.windows[-1]}"
                     return f"{span}: {text.strip()} ({path})"
     text = log.read_text(errors="replace")
+    chosen = [f"{name}={os.environ[name]}" for name in sorted(os.environ) if _OWN.match(name)]
+    where = f"; set in the environment: {', '.join(chosen)}" if chosen else ""
     if told := _told_by_mpi(text):
-        chosen = [f"{name}={os.environ[name]}" for name in sorted(os.environ) if _OWN.match(name)]
-        where = f"; set in the environment: {', '.join(chosen)}" if chosen else ""
         return f"the ranks ended with code {code}, and MPI says: {told}{where} (see {log})"
+    if "ORTE_ERROR_LOG" in text:
+        # Open MPI loses its own words where several ranks fail at once.
+        return f"the ranks ended with code {code}: MPI did not start{where} (see {log})"
     words = [line.strip(" -") for line in text.splitlines()]
     last = next((line for line in reversed(words) if line), "nothing said")
     return f"the ranks ended with code {code}: {last} (see {log})"
