@@ -122,6 +122,7 @@ def test_an_ensemble_ends_in_verdicts_with_intervals(tmp_path: Path):
     base = done.place.results("smoke+ensemble-base")
     before = json.loads((base / "record.json").read_text())
     (base / "record.json").unlink()
+    (done.results / "ensemble.html").unlink()
     again_done = done.place.run(done.scene, "ensemble", ranks=1)
     assert again_done.returncode == 0, again_done.stdout
     assert json.loads((base / "record.json").read_text())["members"] == before["members"]

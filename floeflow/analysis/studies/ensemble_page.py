@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from floeflow.analysis.studies.ensemble_plan import AGAIN, NUDGE
@@ -47,17 +46,17 @@ def sentences(study: Ensemble) -> list[str]:
         f"{100 * study.floor:.2g} %: no setting can be shown to be better than that here.",
         _parting(study),
     ]
-    return [*said, *(_wish(wish) for wish in wishes(study, SHARES))]
+    return [*said, *(_wish(wish, study.members) for wish in wishes(study, SHARES))]
 
 
-def _wish(wish: Wish) -> str:
+def _wish(wish: Wish, members: int) -> str:
     share = f"{100 * wish.share:.3g} %"
     if wish.row is not None:
         return (
             f"Cheapest setting shown to keep all statistics to {share}: {wish.row.label}, at "
             f"{ratio(wish.row.cost)} of the cost."
         )
-    if wish.row is None and wish.members > 0 and math.isfinite(wish.members):
+    if wish.members > members:
         return (
             f"No cheaper setting is shown to keep all statistics to {share}; to show as much of "
             f"the scene itself takes some {wish.members} members."
@@ -69,13 +68,16 @@ def _parting(study: Ensemble) -> str:
     apart, drift = study.parting["apart"], study.parting["drift"][-1]
     days = study.parting["time"][-1] / 86400.0
     parts = ", ".join(
-        f"{gaps[-1] / 1000:.2g} km (stress changed by {float(nudge):g})"
-        for nudge, gaps in apart.items()
+        f"{_length(gaps[-1])} (stress changed by {float(nudge):g})" for nudge, gaps in apart.items()
     )
     return (
         f"After {days:.3g} days single elements, which drifted by {drift / 1000:.3g} km, are apart "
         f"by {parts}; members of the ensemble differ by {NUDGE:g}."
     )
+
+
+def _length(metres: float) -> str:
+    return f"{metres / 1000:.2g} km" if metres >= 100.0 else f"{metres:.2g} m"
 
 
 def setting_table(study: Ensemble) -> Table:
