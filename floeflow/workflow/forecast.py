@@ -12,8 +12,7 @@ from typing import Any
 from floeflow.analysis.estimate.expected import Expected, expectation, expected, outcome
 from floeflow.analysis.estimate.resources import job_ranks
 from floeflow.scene import Scene
-
-RULE = "windows"
+from floeflow.workflow.ranks import RULE, asked_ranks
 
 
 @dataclass(frozen=True)
@@ -62,8 +61,6 @@ def rank_count(scene: Scene, workflow: Any) -> int:
     if not workflow.local_exec:
         return job_ranks(scene)
     settings = workflow.resource_settings
-    asked = getattr(settings, "overwrite_threads", {}).get(RULE, 2)
-    asked = getattr(asked, "raw", asked)
-    cores = getattr(settings, "cores", None)
+    asked, cores = asked_ranks(settings), getattr(settings, "cores", None)
     many = int(asked) if str(asked).isdigit() else 2
     return min(many, cores) if isinstance(cores, int) else many

@@ -12,6 +12,12 @@ from floeflow.core.errors import FloeError
 RULE = "windows"
 
 
+def asked_ranks(settings: Any) -> Any:
+    """What the command line asks for as ranks: a number, another value, or None."""
+    asked = getattr(settings, "overwrite_threads", {}).get(RULE)
+    return getattr(asked, "raw", asked)
+
+
 def check_ranks(settings: Any) -> None:
     """Say on standard error what becomes of the ranks that the command line asks for.
 
@@ -25,8 +31,7 @@ def check_ranks(settings: Any) -> None:
     FloeError
         Where that are none.
     """
-    asked = getattr(settings, "overwrite_threads", {}).get(RULE)
-    asked = getattr(asked, "raw", asked)
+    asked = asked_ranks(settings)
     cores = getattr(settings, "cores", None)
     if asked == 0:
         raise FloeError(f"--set-threads {RULE}=0: a window needs at least one rank")

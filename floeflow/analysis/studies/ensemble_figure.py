@@ -47,7 +47,7 @@ def ensemble_figure(study: Ensemble) -> Figure:
             axes.plot([], [], mark, color=colour, label=label, **ring)
         for row in rows:
             colour, mark, _ = styles[row.group]
-            grey = row.name != AGAIN and is_beaten(row, study.rows)
+            grey = is_beaten(row, study.rows)
             least = max(row.change, 1e-4)
             axes.errorbar(
                 row.cost.mean,

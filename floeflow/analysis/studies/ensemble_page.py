@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from floeflow.analysis.studies.ensemble_plan import AGAIN, NUDGE
+from floeflow.analysis.studies.ensemble_plan import NUDGE
 from floeflow.analysis.studies.ensemble_table import (
     STATISTICS,
     Ensemble,
@@ -106,7 +106,7 @@ def setting_table(study: Ensemble) -> Table:
 
 
 def _name(row: Row, study: Ensemble) -> str:
-    return f"({row.label})" if is_beaten(row, study.rows) and row.name != AGAIN else row.label
+    return f"({row.label})" if is_beaten(row, study.rows) else row.label
 
 
 def change_table(study: Ensemble) -> Table:

@@ -304,8 +304,8 @@ def is_beaten(row: Row, rows: Sequence[Row]) -> bool:
 
     What a dearer setting changes is no loss: it is what the scene's own still lacks.
     """
-    return row.cost.mean < 1.0 and any(
-        other.cost.mean < row.cost.mean and other.bound <= row.bound
-        for other in rows
-        if other is not row and other.name != AGAIN
+    others = [other for other in rows if other is not row and other.name != AGAIN]
+    coarser = row.name != AGAIN and row.cost.mean < 1.0
+    return coarser and any(
+        other.cost.mean < row.cost.mean and other.bound <= row.bound for other in others
     )

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
+
+import xarray as xr
 
 from floeflow.analysis.studies.compare import (
     RunEnds,
@@ -38,10 +40,24 @@ def results_of(reference: RunEnds, ends: RunEnds) -> tuple[dict[str, Any], str]:
         "drift": mean_drift(ends),
         **totals(ends.last),
     }
-    speed = float(abs(ends.last["u"].values).max(initial=0.0))
-    if speed > FASTEST or not all(math.isfinite(v) for v in found["differences"].values()):
-        return {}, f"unstable: the ice moves at {speed:.3g} m/s"
-    return found, ""
+    fault = instability(ends.last, found["differences"].values())
+    return ({}, fault) if fault else (found, "")
+
+
+def instability(state: xr.Dataset, numbers: Iterable[float]) -> str:
+    """Why a run that ended failed all the same; empty where it did not.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With the velocities of its elements.
+    numbers : iterable of float
+        Its results.
+    """
+    speed = float(abs(state["u"].values).max(initial=0.0))
+    if speed > FASTEST or not all(map(math.isfinite, numbers)):
+        return f"unstable: the ice moves at {speed:.3g} m/s"
+    return ""
 
 
 def run_variant(
