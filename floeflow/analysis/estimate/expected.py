@@ -86,8 +86,9 @@ def disk_size(scene: Scene, s: Sizes) -> float:
 def expectation(found: Expected, ranks: int) -> str:
     """The expectation in a sentence."""
     on = f"{ranks} rank{'s' if ranks > 1 else ''}"
+    windows = f"{found.windows} window{'s' if found.windows > 1 else ''}"
     return (
-        f"Expected: {found.elements:,} elements, {found.windows} windows of "
+        f"Expected: {found.elements:,} elements, {windows} of "
         f"{as_time(found.window)} in {two_digits(found.steps)} steps; about "
         f"{as_time(found.seconds)} on {on}, {as_size(found.size)} on disk"
     )

@@ -116,5 +116,9 @@ def change_table(study: Ensemble) -> Table:
         [row.label, *(per_cent(row.changes[n]) if n in row.changes else "–" for n in names)]
         for row in study.rows
     ]
-    note = "Relative to: " + "; ".join(f"{name}: {STATISTICS[name]}" for name in names) + "."
+    note = (
+        "Boxes are 150 km wide, in small domains a sixth of the shorter side. Relative to: "
+        + "; ".join(f"{name}: {STATISTICS[name]}" for name in names)
+        + "."
+    )
     return Table("Change of each statistic (%)", ("setting", *names), rows, note)

@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.analysis.studies.compare import totals
-from floeflow.analysis.studies.ensemble_plan import PARTING, nudges
+from floeflow.analysis.studies.ensemble_plan import AGAIN, PARTING, nudges
 from floeflow.analysis.studies.ensemble_statistics import run_statistics
 from floeflow.analysis.studies.outcome import read_outcome
 from floeflow.analysis.studies.run import instability
@@ -66,7 +66,7 @@ def run_members(variant: Variant, chunk: Chunk, base: Mapping[str, Any] | None) 
     members = []
     for number, factor in enumerate(nudges(variant.name)):
         member = kept_member(chunk, clock, number, factor)
-        if member["fault"] and variant.name == BASE:
+        if member["fault"] and variant.name in (BASE, AGAIN):
             raise FloeError(f"the scene itself does not run: {member['fault']}")
         members.append(member)
     record = {

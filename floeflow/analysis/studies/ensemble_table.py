@@ -33,9 +33,9 @@ ROUND_OFF = 1.0e-9
 
 # Statistics by name, and to what their differences are relative.
 STATISTICS: Mapping[str, str] = {
-    "drift_speed": "drift in boxes of 150 km, its size: share of the mean of the scene's members",
-    "drift_direction": "drift in boxes of 150 km, its direction: radians (1 % is 0.6 degrees)",
-    "drift_pattern": "drift in boxes of 150 km, what size and direction leave: share of its rms",
+    "drift_speed": "drift in boxes, its size: share of the mean of the scene's members",
+    "drift_direction": "drift in boxes, its direction: radians (1 % is 0.6 degrees)",
+    "drift_pattern": "drift in boxes, what size and direction leave: share of its rms",
     "deformation": "mean deformation rate of boxes: share of it",
     "strong_deformation": "its 90th percentile: share of it",
     "volume": "ice volume: share of its change in the run, 1 % of it at least",

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from floeflow.analysis.studies import ensemble_run
-from floeflow.analysis.studies.ensemble_plan import BASE_MEMBERS, MEMBERS, PARTING
+from floeflow.analysis.studies.ensemble_plan import AGAIN, BASE_MEMBERS, MEMBERS, PARTING
 from floeflow.analysis.studies.ensemble_run import distance, run_members, with_stress
 from floeflow.analysis.studies.variants import BASE, Variant
 from floeflow.core.errors import FloeError
@@ -102,7 +102,8 @@ def test_finished_members_are_kept_until_what_made_them_changes(chunk: Chunk, ru
 
 def test_a_failed_member_is_a_result_but_of_the_scene_itself_a_fault(chunk: Chunk, runs: Runs):
     runs.fails = "member-1"
-    with pytest.raises(FloeError, match="the scene itself does not run: Element 3 left the box"):
+    said = "the scene itself does not run: Element 3 left the box"
+    with pytest.raises(FloeError, match=said):
         run_members(Variant(BASE), chunk, None)
     runs.fails = ""
     base = run_members(Variant(BASE), chunk, None)
@@ -112,6 +113,9 @@ def test_a_failed_member_is_a_result_but_of_the_scene_itself_a_fault(chunk: Chun
     record = run_members(Variant("softness-2"), other, base)
     assert [member["fault"] for member in record["members"]] == ["", "", "Element 3 left the box"]
     assert len(record["members"]) == MEMBERS and "parting" not in record
+    # The scene with other members is the scene too: without it nothing tells what chance does.
+    with pytest.raises(FloeError, match=said):
+        run_members(Variant(AGAIN), other, base)
 
 
 def test_ice_faster_than_any_is_a_fault(chunk: Chunk, runs: Runs, monkeypatch: pytest.MonkeyPatch):
