@@ -2,7 +2,7 @@
 # mypy: disable-error-code="no-untyped-def"
 """Columns at a start, and the temperatures of their layers.
 
-Ice of one thickness goes into the category that holds it. Its layers and the snow on it have the
+Ice goes into the categories that hold its thickness. Its layers and the snow on it have the
 temperatures of steady conduction between the surface and the freezing sea.
 """
 
@@ -14,6 +14,7 @@ from typing import Any
 import numba
 import numpy as np
 
+from floeflow.column.first_thickness import DISTRIBUTIONS, FirstIce
 from floeflow.column.kernel import sources_digest
 from floeflow.column.layered_run import freezing_point, layered_physics
 from floeflow.column.params import Settings
@@ -90,6 +91,8 @@ def layer_temperatures(columns: Columns, settings: Settings) -> tuple[Array, Arr
     return snow, ice
 
 
+# All ice of an element as thick as its mean, level, between open leads.
+ONE_THICKNESS = FirstIce()
 # Share of ice from which on open water counts as leads in a closed pack.
 PACK = 0.8
 
@@ -100,9 +103,9 @@ def first_columns(
     snow: Array,
     surface: float,
     settings: Settings,
-    lead_ice: float = 0.0,
+    first: FirstIce = ONE_THICKNESS,
 ) -> Columns:
-    """Columns of ice of one thickness in each element, and of young ice on its leads.
+    """Columns of each element's ice, and of the young ice on its leads.
 
     Parameters
     ----------
@@ -114,8 +117,8 @@ def first_columns(
         Temperature of the surface (K), not above the freezing point.
     settings : Settings
         Which categories and layers there are, and which processes.
-    lead_ice : float
-        Thickness of bare ice on the open water of columns that are ``PACK`` or more covered (m).
+    first : FirstIce
+        Distribution of the thickness, level share, and young ice on leads.
 
     Returns
     -------
@@ -123,21 +126,21 @@ def first_columns(
         All variables that columns can have, whether the settings ask for them or not.
     """
     thickness = np.divide(volume, fraction, out=np.zeros_like(volume), where=fraction > 0.0)
-    bounds = category_bounds(settings.categories)
-    place = np.clip(np.searchsorted(bounds, thickness) - 1, 0, settings.categories - 1)
+    spread = DISTRIBUTIONS[first.distribution](
+        thickness, category_bounds(settings.categories), first.level_share
+    )
     shape = (len(fraction), settings.categories)
-    row = np.arange(len(fraction))
-
-    def spread(values: Array) -> Array:
-        full = np.zeros(shape)
-        full[row, place] = values
-        return full
-
-    share, ice_volume, snow_volume = (spread(v) for v in (fraction, volume, snow * fraction))
-    if lead_ice > 0.0:
+    share = fraction[:, None] * spread.area
+    ice_volume = volume[:, None] * spread.volume
+    snow_volume = (snow * fraction)[:, None] * spread.area
+    level_area, level_volume = spread.level_area, spread.level_volume
+    if first.lead_ice > 0.0:
         leads = np.where(fraction >= PACK, 1.0 - fraction, 0.0)
+        young = leads * first.lead_ice
+        level_area = with_level(level_area, share[:, 0], leads)
+        level_volume = with_level(level_volume, ice_volume[:, 0], young)
         share[:, 0] += leads
-        ice_volume[:, 0] += leads * lead_ice
+        ice_volume[:, 0] += young
     there = share > 0.0
     ice, cover = (
         np.divide(v, share, out=np.zeros(shape), where=there) for v in (ice_volume, snow_volume)
@@ -155,8 +158,15 @@ def first_columns(
     if settings.scheme == "zero_layer":
         return columns
     columns |= dict.fromkeys(LEVEL, np.zeros(shape))
-    columns["level_area"] = columns["level_volume"] = np.where(there, 1.0, 0.0)
+    columns |= {"level_area": level_area * there, "level_volume": level_volume * there}
     return columns | _first_layers(ice, cover, min(surface, freezing), settings)
+
+
+def with_level(level: Array, before: Array, added: Array) -> Array:
+    """Level share of categories (1) after level ice was added to the first, (n, ncat)."""
+    found, total = level.copy(), before + added
+    np.divide(level[:, 0] * before + added, total, out=found[:, 0], where=total > 0.0)
+    return found
 
 
 def _first_layers(ice: Array, snow: Array, top: float, settings: Settings) -> Columns:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from floeflow.column.first_thickness import FirstIce
 from floeflow.column.params import Settings
 from floeflow.scene.blocks import Scene
 from floeflow.scene.effects import column_processes
@@ -24,3 +25,9 @@ def column_settings(scene: Scene) -> Settings:
         variant=column.variant,
         physics=scene.physics,
     )
+
+
+def first_ice(scene: Scene) -> FirstIce:
+    """What the scene says of the ice at its start, and of ice that comes in over its rim."""
+    mask = scene.mask
+    return FirstIce(mask.thickness_distribution, mask.level_share, mask.lead_ice)

@@ -5,7 +5,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.column.initial_columns import SNOW_LAYERS, first_columns
-from floeflow.column.settings import column_settings
+from floeflow.column.settings import column_settings, first_ice
 from floeflow.core.grids import scene_grid
 from floeflow.coupling.initial_walls import wall_variables
 from floeflow.coupling.origin import provenance
@@ -109,7 +109,4 @@ def _columns(scene: Scene, packing: xr.Dataset) -> dict[str, np.ndarray]:
     snow = np.full(len(fraction), scene.mask.snow_thickness)
     surface = scene.column.initial_surface
     settings = column_settings(scene)
-    columns = first_columns(fraction, volume, snow, surface, settings, scene.mask.lead_ice)
-    for name in columns.keys() & {"level_area", "level_volume"}:
-        columns[name] = columns[name] * scene.mask.level_share
-    return columns
+    return first_columns(fraction, volume, snow, surface, settings, first_ice(scene))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from floeflow.column.initial_columns import first_columns
-from floeflow.column.settings import column_settings
+from floeflow.column.settings import column_settings, first_ice
 from floeflow.coupling.sea.birth import FILL, place_discs
 from floeflow.coupling.sea.ice import Terms, held_by, with_elements
 from floeflow.coupling.sea.places import SeaPlaces
@@ -145,8 +145,8 @@ def _elements(
     made: Arrays = {"ice_fraction": fraction[:, None], "ice_volume": volume[:, None]}
     if "thermodynamics" in scene.effects:
         snow = np.full(len(at), scene.mask.snow_thickness)
-        surface = scene.column.initial_surface
-        every = first_columns(fraction, volume, snow, surface, column_settings(scene))
+        surface, settings = scene.column.initial_surface, column_settings(scene)
+        every = first_columns(fraction, volume, snow, surface, settings, first_ice(scene))
         made = {n: v for n, v in every.items() if n in state and n not in SEA_VARIABLES}
     made |= {"x": x, "y": y, "radius": radius, "area": np.pi * radius**2 / FILL}
     return made | {"type": np.full(len(at), MOBILE)}

@@ -138,6 +138,12 @@ class Mask(Block):
         "a table by place and month (docs/masks.md) times concentration.",
     )
     ice_thickness: float = key(2.0, "Ice thickness at full concentration.", "m", gt=0, le=20)
+    thickness_distribution: Literal["single", "gamma"] = key(
+        "single",
+        "Thickness of the ice within an element at the start: the mean everywhere, or a gamma "
+        "distribution about it, whose thickest part is ridged (docs/masks.md; read with "
+        "thermodynamics, column.categories above 1).",
+    )
     snow_thickness: float = key(
         0.2, "Snow on the ice at the start (read with thermodynamics).", "m", ge=0, le=5
     )
