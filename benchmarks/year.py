@@ -2,7 +2,8 @@
 """A year of the Arctic beside published figures, and what a day of it costs.
 
 Usage: python benchmarks/year.py [--scene FILE] [--ranks 2] [--keep] [--figure FILE]
-Runs the scene to its report and prints two tables; with ``--keep`` it reads a run that lies there,
+Runs the scene to its report and prints two tables, the first of the last 365 days; with ``--keep``
+it reads a run that lies there,
 with ``--figure`` it draws March, September and the seasons of volume and extent. Writes
 ``results/benchmarks/year.json``. Wall time wants idle cores.
 """
@@ -15,6 +16,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 import cmocean
@@ -55,13 +57,46 @@ def chunks(folder: Path) -> list[xr.Dataset]:
     return [xr.decode_cf(read_dataset(path)) for path in sorted(folder.glob("*.nc"))]
 
 
-def physics(scene: Scene, folder: Path) -> list[tuple[str, str, str]]:
-    """Rows of the table: what, in this run, published."""
+@dataclass(frozen=True)
+class LastYear:
+    """What a run published of its last 365 days.
+
+    Attributes
+    ----------
+    grid : Dataset
+        Of ``grid.nc``.
+    series : list of Dataset
+        Of ``series/``.
+    skipped : int
+        Windows before.
+    days : float
+        Length, less than 365 of a shorter run.
+    """
+
+    grid: xr.Dataset
+    series: list[xr.Dataset]
+    skipped: int
+    days: float
+
+
+def last_year(scene: Scene, folder: Path) -> LastYear:
+    """Read the last 365 days of a run."""
+    window = scene.time.window
+    skipped = max(0, scene.time.windows - round(365.0 * season.DAY / window))
     with xr.open_dataset(folder / "grid.nc") as grid:
-        found = season.cycle(grid)
-    series = chunks(folder / "series")
-    days = sum(chunk.sizes["window"] for chunk in series) * scene.time.window / season.DAY
-    per_year = 365.0 / days
+        begin = np.datetime64(scene.time.start, "s") + np.timedelta64(round(skipped * window), "s")
+        kept = grid.isel(time=grid["time"].values > begin) if skipped else grid
+        kept.load()
+    series = [
+        chunk.isel(window=chunk["window"].values > skipped) for chunk in chunks(folder / "series")
+    ]
+    days = sum(chunk.sizes["window"] for chunk in series) * window / season.DAY
+    return LastYear(kept, [chunk for chunk in series if chunk.sizes["window"]], skipped, days)
+
+
+def physics(scene: Scene, folder: Path, year: LastYear) -> list[tuple[str, str, str]]:
+    """Rows of the table: what, in this run, published."""
+    found, series, per_year = season.cycle(year.grid), year.series, 365.0 / year.days
     area, volume = season.passed(series, "fram_strait")
     remapped = [
         int(window)
@@ -69,7 +104,9 @@ def physics(scene: Scene, folder: Path) -> list[tuple[str, str, str]]:
         for window, done in zip(chunk["window"].values, chunk["remap_done"].values, strict=True)
         if done
     ]
-    moved = season.drift(chunks(folder / "elements"), remapped, scene.domain.crs, scene.time.window)
+    moved = season.drift(
+        chunks(folder / "elements"), remapped, scene.domain.crs, scene.time.window, year.skipped
+    )
     extents = season.by_month(found, found.extent / KM2 / 1e6)
     rows = [
         (
@@ -98,11 +135,9 @@ def physics(scene: Scene, folder: Path) -> list[tuple[str, str, str]]:
     return rows
 
 
-def deformed(scene: Scene, folder: Path) -> list[tuple[str, str, str]]:
+def deformed(scene: Scene, year: LastYear) -> list[tuple[str, str, str]]:
     """Rows of the table: ridged ice, and what grew where the ice had opened."""
-    with xr.open_dataset(folder / "grid.nc") as grid:
-        ridges, found = season.ridged(grid), season.cycle(grid)
-    series = chunks(folder / "series")
+    ridges, found, series = season.ridged(year.grid), season.cycle(year.grid), year.series
 
     def sums(*names: str) -> dict[str, float]:
         every = season.month_sums(series, names, str(scene.time.start), scene.time.window)
@@ -158,9 +193,8 @@ def show(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
     print()
 
 
-def draw(folder: Path, path: Path) -> None:
+def draw(grid: xr.Dataset, path: Path) -> None:
     """Thickness in March and September, and the months of extent and volume."""
-    grid = xr.load_dataset(folder / "grid.nc")
     found = season.cycle(grid)
     months = grid["time"].dt.month.values
     figure, axes = plt.subplots(1, 3, figsize=(13.0, 4.2), layout="constrained")
@@ -205,7 +239,12 @@ def main() -> None:
     folder = RESULTS / scene.name
     wall = None if chosen.keep else run(chosen.scene, chosen.ranks)
     days = scene.time.windows * scene.time.window / season.DAY
-    seasons, spent = physics(scene, folder) + deformed(scene, folder), costs(folder, wall, days)
+    year = last_year(scene, folder)
+    seasons, spent = (
+        physics(scene, folder, year) + deformed(scene, year),
+        costs(folder, wall, days),
+    )
+    print(f"the last {year.days:g} of {days:g} days")
     show(("", "this run", "published"), seasons)
     show(("part", "seconds a day"), spent)
     told = {"scene": scene.name, "ranks": chosen.ranks, "seasons": seasons, "seconds_a_day": spent}
@@ -213,7 +252,7 @@ def main() -> None:
     out.parent.mkdir(parents=True, exist_ok=True)
     write_text(json.dumps(told, indent=1) + "\n", out)
     if chosen.figure:
-        draw(folder, chosen.figure)
+        draw(year.grid, chosen.figure)
     if np.any([row[1] == "not reached" for row in seasons]):
         print("The run ends before some months.")
 

@@ -164,7 +164,11 @@ class Drift:
 
 
 def drift(
-    elements: Iterable[xr.Dataset], remapped: Iterable[int], crs: str, window: float
+    elements: Iterable[xr.Dataset],
+    remapped: Iterable[int],
+    crs: str,
+    window: float,
+    skipped: int = 0,
 ) -> Drift:
     """Speed from displacements over one window, of elements of the central basin.
 
@@ -178,12 +182,14 @@ def drift(
         Of the coordinates.
     window : float
         Length of a window (s).
+    skipped : int
+        Windows at the run's start that do not count.
     """
     to_places = pyproj.Transformer.from_crs(crs, "EPSG:4326", always_xy=True)
     left_out = set(remapped)
     found: dict[str, list[Array]] = {}
     before: xr.Dataset | None = None
-    for now in _boundaries(elements):
+    for now in _boundaries(elements, skipped):
         if before is not None and int(now.attrs["window"]) not in left_out:
             _, i, j = np.intersect1d(
                 before["id"].values, now["id"].values, assume_unique=True, return_indices=True
@@ -201,12 +207,14 @@ def drift(
     return Drift(months, quartiles[:, 0], quartiles[:, 1], quartiles[:, 2])
 
 
-def _boundaries(elements: Iterable[xr.Dataset]) -> Iterable[xr.Dataset]:
-    """Elements at the end of each window, from the chunks' files."""
+def _boundaries(elements: Iterable[xr.Dataset], skipped: int) -> Iterable[xr.Dataset]:
+    """Elements at the end of each window but the skipped ones, from the chunks' files."""
     names = ["id", "type", "x", "y", "drift_x", "drift_y"]
     for chunk in elements:
         counts = chunk["element_count"].values
         for at, end in enumerate(np.cumsum(counts)):
+            if int(chunk["window"][at]) <= skipped:
+                continue
             rows = slice(int(end - counts[at]), int(end))
             one = chunk[names].isel(element=rows).load()
             one["time"] = chunk["time"][at]
