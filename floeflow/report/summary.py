@@ -179,6 +179,8 @@ def warnings(
             "climatology": "a table by place and month, times concentration",
         }[mask.thickness_rule]
         found.append(f"Ice thickness at the start is no observation but a rule: {rule}.")
+    if mask.thickness_distribution == "gamma" and "thermodynamics" in scene.effects:
+        found.append("Within each element thickness has a gamma distribution at the start.")
     if mask.lead_ice and "thermodynamics" in scene.effects:
         found.append(
             f"Leads of ice of 80 % and more bear {number(mask.lead_ice)} m of young ice at the "

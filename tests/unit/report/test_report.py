@@ -194,10 +194,12 @@ def test_assumptions_stand_on_the_first_screen(page: Page, bare: tuple[Run, str]
     ],
 )
 def test_the_rule_of_the_first_thickness_is_told(run: Run, rule: str, says: str):
-    mask = run.scene.mask.model_copy(update={"thickness_rule": rule, "lead_ice": 0.1})
+    asked = {"thickness_rule": rule, "lead_ice": 0.1, "thickness_distribution": "gamma"}
+    mask = run.scene.mask.model_copy(update=asked)
     said = warnings(run.scene.model_copy(update={"mask": mask}), [], {}, [])
     assert said[0].endswith(says)
     assert any("bear 0.1 m of young ice at the start" in line for line in said)
+    assert "Within each element thickness has a gamma distribution at the start." in said
 
 
 @pytest.mark.parametrize(
