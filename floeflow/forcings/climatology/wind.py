@@ -44,8 +44,10 @@ class Track:
     rate: float
 
 
-# Highs and lows in five days that are born anywhere beyond 60 degrees and go anywhere.
-WANDERERS = 14.0
+# Highs and lows in five days that are born anywhere beyond 60 degrees and go anywhere, and the
+# spread of their depths (Pa): in all seasons they give the 4 to 6 m/s of the central Arctic
+# (Przybylak 2003; drifting stations: about 5 m/s the year round).
+WANDERERS, WANDERER_DEPTH = 14.0, 2.2e3
 # Regions after Serreze (1995): the North Atlantic, Norwegian, Kara and Laptev Seas, Baffin Bay, and
 # from the Pacific; in the south a belt around the continent (Simmonds and Keay 2000).
 TRACKS_NORTH = (
@@ -97,7 +99,7 @@ def storms(seed: int, first: float, last: float, northern: bool, storminess: flo
             count = int(rng.poisson(storminess * track.rate * (0.7 + 0.3 * season)))
             found += [_storm(rng, track, block * BLOCK, season) for _ in range(count)]
         count = int(rng.poisson(storminess * WANDERERS))
-        found += [_wanderer(rng, northern, block * BLOCK, season) for _ in range(count)]
+        found += [_wanderer(rng, northern, block * BLOCK) for _ in range(count)]
     return [storm for storm in found if storm.birth < last and storm.birth + storm.life > first]
 
 
@@ -123,7 +125,7 @@ def _storm(rng: np.random.Generator, track: Track, day: float, season: float) ->
     )
 
 
-def _wanderer(rng: np.random.Generator, northern: bool, day: float, season: float) -> Storm:
+def _wanderer(rng: np.random.Generator, northern: bool, day: float) -> Storm:
     """A high or low of no track: the weather between storms."""
     sine = rng.uniform(np.sin(np.radians(60.0)), 1.0)
     lon, lat = rng.uniform(-180.0, 180.0), np.degrees(np.arcsin(sine)) * (1 if northern else -1)
@@ -135,7 +137,7 @@ def _wanderer(rng: np.random.Generator, northern: bool, day: float, season: floa
         start=unit(np.array(lon), np.array(lat)),
         way=np.sin(heading) * east + np.cos(heading) * north,
         speed=rng.uniform(1.0, 8.0),
-        depth=1e2 * rng.normal(0.0, 12.0 + 4.0 * season),
+        depth=rng.normal(0.0, WANDERER_DEPTH),
         width=rng.uniform(4.5e5, 7.0e5),
     )
 
