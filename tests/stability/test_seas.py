@@ -7,13 +7,14 @@ add up to the sea, no open water is negative, and the time step stays near that 
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from floeflow.coupling.coupled_windows import ashore
-from support.coasts import Wind, a_mask, a_scene, first_state, on_land, windows
+from support.coasts import Wind, a_mask, a_scene, blowing, first_state, on_land, windows
 
 DAY = 86400.0
 
@@ -69,7 +70,7 @@ def hold(log: Path, land: np.ndarray, wind: Wind, cure: str, count: int, window:
     start, _ = first_state(scene, mask)
     volume = float(start["area"] @ start["ice_volume"].sum("category"))
     steps = []
-    for k, done in enumerate(windows(log, scene, mask, wind, count), start=1):
+    for k, done in enumerate(windows(log, scene, mask, partial(blowing, wind), count), start=1):
         state, where = done.state, f"window {k}"
         assert not len(on_land(state, land)), where
         assert not len(ashore(scene, state)), where

@@ -43,14 +43,16 @@ def a_mask(land: np.ndarray, thickness: float = 0.5, ice: np.ndarray | None = No
     )
 
 
-def a_scene(count: int, window: float, *more: str) -> Scene:
+def a_scene(count: int, window: float, *more: str, every: int = 0, **dynamics: float) -> Scene:
+    """Scene of so many elements, with more effects, a remap every so many windows, and keys."""
     return Scene.model_validate(
         {
             "name": "sea",
             "packing": {"elements": count},
             "effects": [*EFFECTS, *more],
             "time": {"window": window},
-            "dynamics": {"samples": 2},
+            "dynamics": {"samples": 2, **dynamics},
+            "remap": {"every": every},
         }
     )
 
@@ -95,8 +97,17 @@ def first_state(scene: Scene, mask: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset]
     return make_state(scene, packing, bonds), packing
 
 
-def windows(log: Path, scene: Scene, mask: xr.Dataset, wind: Wind, count: int) -> Iterator[Window]:
-    """Windows of motion and cure, each checked against the schema."""
+def windows(
+    log: Path,
+    scene: Scene,
+    mask: xr.Dataset,
+    forced: Callable[[float, float], xr.Dataset],
+    count: int,
+) -> Iterator[Window]:
+    """Windows of motion and cure, each checked against the schema.
+
+    ``forced`` gives the forcing of a window by its begin and length (s).
+    """
     state, packing = first_state(scene, mask)
     check_state(state)
     cells = None
@@ -104,8 +115,7 @@ def windows(log: Path, scene: Scene, mask: xr.Dataset, wind: Wind, count: int) -
         cells = read_cells(make_cells(mask, packing, 1))
     for k in range(count):
         begin, length = k * scene.time.window, scene.time.window
-        forcing = blowing(wind, begin, length)
-        motion = move(MPI.COMM_SELF, scene, state, forcing, log, lambda **_: None)
+        motion = move(MPI.COMM_SELF, scene, state, forced(begin, length), log, lambda **_: None)
         state = motion.state
         state.attrs |= {"time": begin + length, "window": k + 1}
         state, terms = cure(scene, state, cells)

@@ -10,7 +10,8 @@ so a network of contacts is never stiffer than one in which each element is held
 springs as stiff as these terms. An element has room for so many neighbours only: two discs that
 touch a third and do not overlap are seen from its centre under an angle of at least
 2 asin(sqrt(q_j q_k)), q = r_j / (r_i + r_j) (law of cosines), and the angles of all neighbours in a
-row add up to a full turn. See docs/theory/forces.md, "Time step".
+row add up to a full turn. And each neighbour is there once: those that are not as many as there is
+room for, do not fill the turn. See docs/theory/forces.md, "Time step".
 """
 
 from __future__ import annotations
@@ -32,6 +33,9 @@ Array = NDArray[np.float64]
 MOST, WIDTH = 1500, 0.01
 # Share of a pair's relative velocity that damping may take in a step (laws/contact.h).
 DAMPING_PER_STEP = 0.1
+# The bound is never that of fewer contacts than a lattice has about an element, each as stiff as
+# the stiffest may be: so collisions of free elements are resolved in as many steps as in a lattice.
+FEWEST = 6.0
 
 
 @dataclass(frozen=True)
@@ -94,13 +98,15 @@ class _Discs(NamedTuple):
 class _Neighbours(NamedTuple):
     """Who may come to touch whom: rows (k,), the first neighbour of each row and the end (n + 1,).
 
-    ``neighbour`` and whether it is ``touching`` already: (pairs,).
+    ``neighbour`` and whether it is ``touching`` already: (pairs,). ``single``: each neighbour is
+    one element; else it stands for any number of its kind.
     """
 
     rows: NDArray[np.int64]
     start: NDArray[np.int64]
     neighbour: NDArray[np.int64]
     touching: NDArray[np.bool_]
+    single: bool
 
 
 def contact_room(elements: Arrays, params: EngineParams, way: float = np.inf) -> Room:
@@ -129,6 +135,7 @@ def contact_room(elements: Arrays, params: EngineParams, way: float = np.inf) ->
             start=np.arange(n + 1) * n,
             neighbour=np.tile(np.arange(n), n),
             touching=np.zeros(n * n, dtype=np.bool_),
+            single=False,
         )
         discs = _Discs(kinds.largest, kinds.radius, kinds.thickness, kinds.inverse)
         sums = _rooms(discs, every, params)[kinds.of]
@@ -156,7 +163,7 @@ def _rooms_near(elements: Arrays, params: EngineParams, way: float) -> Array:
     first, second = first[keep], second[keep]
     start = np.searchsorted(first, np.arange(len(radius) + 1))
     touching = (apart[keep] < radius[first] + radius[second]).astype(np.bool_)
-    listed = _Neighbours(np.arange(len(radius)), start, second, touching)
+    listed = _Neighbours(np.arange(len(radius)), start, second, touching, single=True)
     sums = np.empty((len(radius), 6))
     sums[order] = _rooms(_Discs(radius, radius, thickness, inverse), listed, params)
     return sums
@@ -175,7 +182,7 @@ def _rooms(discs: _Discs, listed: _Neighbours, params: EngineParams) -> Array:
 @njit(cache=True)
 def _full_turns(discs, listed, laws, caps):  # type: ignore[no-untyped-def]
     per_step, walled = caps
-    rows, start, neighbour, touching = listed
+    rows, start, neighbour, touching, single = listed
     modulus, share_damped = laws
     out = np.zeros((len(rows), 6))
     room = 0
@@ -198,6 +205,7 @@ def _full_turns(discs, listed, laws, caps):  # type: ignore[no-untyped-def]
             value[0, n] = weight * k
             value[1, n] = weight * 2.0 * share_damped * np.sqrt(k * reduced)
             value[2, n] = weight * per_step * reduced
+        wall = -1
         if walled:
             # A wall takes the room of a disc of the same size; all the spring is the ice's own.
             n = count
@@ -205,7 +213,7 @@ def _full_turns(discs, listed, laws, caps):  # type: ignore[no-untyped-def]
             while n > 0 and q[n - 1] > 0.5:
                 q[n], value[:, n], over[n] = q[n - 1], value[:, n - 1], over[n - 1]
                 n -= 1
-            q[n], over[n] = 0.5, False
+            q[n], over[n], wall = 0.5, False, n
             value[0, n] = modulus * h
             value[1, n] = 2.0 * share_damped * np.sqrt(modulus * h / inverse)
             value[2, n] = per_step / inverse
@@ -224,8 +232,32 @@ def _full_turns(discs, listed, laws, caps):  # type: ignore[no-untyped-def]
                 for b in range(a + 1):
                     angle = 2.0 * np.arcsin(np.sqrt(front_q[a] * front_q[b]))
                     most = max(most, np.pi * (front[a] + front[b]) / angle)
+            if single and most > FEWEST * best:
+                once = _once(q[:count], value[kind, :count], over[:count], wall)
+                most = min(most, max(once, FEWEST * best))
             out[i, kind], out[i, 3 + kind] = max(most, there), max(best, 0.0)
     return out
+
+
+@njit(cache=True)
+def _once(q, value, over, wall):  # type: ignore[no-untyped-def]
+    """Most that neighbours add up to of which each is there once; walls as many as find room.
+
+    Beside the next one in the row a neighbour takes no less of the full turn than beside the
+    smallest, ``q[0]``. Those in touch already (`over`) are all there and leave the whole turn.
+    """
+    left, total = 2.0 * np.pi, 0.0
+    angle = 2.0 * np.arcsin(np.sqrt(q * q[0]))
+    for n in np.argsort(-value / angle):
+        if over[n]:
+            total += value[n]
+            continue
+        share = left / angle[n]
+        if n != wall:
+            share = min(share, 1.0)
+        total += share * value[n]
+        left = max(left - share * angle[n], 0.0)
+    return total
 
 
 def element_kinds(elements: Arrays) -> Kinds:

@@ -151,11 +151,65 @@ def test_discs_that_overlap_count_each() -> None:
     assert room.stiffest[0] == pytest.approx(one, rel=1e-12)
 
 
+def ring(count: int, small: float, gap: float = 0.0) -> Arrays:
+    """A disc of 1 km and so many smaller ones (m) side by side around it, at a gap (m)."""
+    beside = 2.0 * np.arcsin(small / (1000.0 + small)) * np.arange(count)
+    away = 1000.0 + small + gap
+    x, y = away * np.cos(beside), away * np.sin(beside)
+    return discs(
+        np.append(0.0, x), np.append(0.0, y), np.append(1000.0, np.full(count, small)), 1.0
+    )
+
+
+def test_each_neighbour_counts_once() -> None:
+    # Few small discs near a large one do not fill the turn about it; as many as find room do.
+    room = {count: contact_room(ring(count, 100.0, 1.0), LAWS, 10.0) for count in (1, 8, 34)}
+    least, eight, all_round = (room[count].stiffness[0] for count in room)
+    one = room[1].stiffest[0]
+    assert least == pytest.approx(contactroom.FEWEST * one, rel=1e-12)
+    assert eight == pytest.approx(8 * one, rel=1e-12)
+    assert all_round == pytest.approx(34 * one, rel=1e-12)
+    # A second ring behind the first can come as near, but finds no room.
+    two = {
+        name: np.concatenate([values, ring(34, 100.0, 205.0)[name][1:]])
+        for name, values in ring(34, 100.0, 1.0).items()
+    }
+    full = contact_room(two, LAWS, 210.0).stiffness[0]
+    assert full == pytest.approx(np.pi / np.arcsin(100.0 / 1100.0) * one, rel=1e-12)
+    assert room[8].damped_per_step[0] < 0.3 * room[34].damped_per_step[0]
+
+
+def test_walls_take_the_room_that_neighbours_leave() -> None:
+    laws = replace(LAWS, walls=True)
+    few, wide = (
+        contact_room(ring(8, 100.0, 1.0), each, 10.0).stiffness[0] for each in (LAWS, laws)
+    )
+    # A wall is as stiff as the ice itself, a neighbour of one thickness half of it.
+    turn = 2.0 * np.pi - 8 * 2.0 * np.arcsin(100.0 / 1100.0)
+    beside = 2.0 * np.arcsin(np.sqrt(0.5 * 100.0 / 1100.0))
+    wall = LAWS.contact_modulus / discs(0.0, 0.0, 1000.0, 1.0)["mass"]
+    assert wide == pytest.approx(few + turn / beside * float(np.squeeze(wall)), rel=1e-9)
+
+
+def test_a_crowd_within_reach_is_never_stiffer_than_the_bound(crowds: list[Arrays]) -> None:
+    # As above, but each of the crowd is known and counts once; a tenth of their radius away.
+    shares = []
+    for pack in crowds:
+        off = {**pack, "x": 1.01 * pack["x"], "y": 1.01 * pack["y"]}
+        room = contact_room(off, LAWS, 0.2 * float(pack["radius"].max() + pack["radius"][0]))
+        mass, h, inverse = pack["mass"], pack["thickness"], pack["radius"] / pack["mass"]
+        k = LAWS.contact_modulus * h[0] * h[1:] / (h[0] + h[1:])
+        total = float((k * (1.0 + inverse[1:] / inverse[0])).sum()) / mass[0]
+        shares.append(total / room.stiffness[0])
+    assert max(shares) <= 1.0 + 1e-9
+    assert max(shares) > 0.9
+
+
 def test_damping_in_a_step_does_not_grow_with_the_crowd() -> None:
     # Ever smaller discs around one: their damping adds up, what it takes in a step does not.
     per_step, damped = [], []
     for small in (500.0, 100.0, 20.0, 4.0):
-        pack = discs(np.array([0.0, 1000.0 + small]), np.zeros(2), np.array([1000.0, small]), 1.0)
+        pack = ring(int(np.pi / np.arcsin(small / (1000.0 + small))), small)
         room = contact_room(pack, LAWS, 10.0)
         per_step.append(room.damped_per_step[0])
         damped.append(room.damping[0])

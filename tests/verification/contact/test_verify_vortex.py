@@ -119,8 +119,10 @@ def test_own_laws_at_one_step_for_any_ice(log: Path, hours: float, thinnest: flo
     first = vortex_ridging.start(thickness)
     last, worst = vortex_ridging.run(log, first, 1.0, hours)
     print(thinnest, worst, "smallest radius", float(last["radius"].min()))
-    limit = 0.1 * vortex.RADIUS
-    assert worst.discs < limit and worst.elastic < limit and worst.wall < limit
+    # What makes force is small. Discs may overlap as far as ridges took ice from one side, which a
+    # disc cannot show, but no centre comes near to another's or to a wall (docs/theory/contact.md).
+    assert worst.elastic < 0.01 * vortex.RADIUS
+    assert worst.discs < vortex.RADIUS and worst.wall < 0.7 * vortex.RADIUS
     # Nothing is lost: every element, all ice, all area.
     assert (last["id"].values == first["id"].values).all()
     for axis in "xy":
