@@ -74,8 +74,11 @@ VIEWS = (
          "The Antarctic in September, within an ice edge drawn by hand: finer at the coast, sizes "
          "of neighbours spread."),
     View("dense_pack_pressed", 10.0, 5.0, 6.0,
-         "Floes of two sizes, compacted by the element model until they jam; the right wall will "
-         "press them."),
+         "Floes of two sizes, compacted by the element model to 0.82 of the area, a little below "
+         "where they jam; the right wall will press them."),
+    View("periodic_pack_pressed", 10.0, 8.0, 6.0,
+         "The same sizes in a rectangle that repeats itself in y, frozen together: bonds reach "
+         "across the sides. The right wall will press them."),
     View("drift_ice", 0.0, -980.0, 12.0,
          "Three tenths of ice as whole floes whose radii follow a power law."),
     View("ice_arch", 0.0, -1210.0, 90.0,
