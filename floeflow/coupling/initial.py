@@ -91,7 +91,7 @@ def make_state(
         "provenance": provenance(scene),
     }
     if scene.period is not None:
-        attrs[ATTRIBUTE] = np.array(scene.period)
+        attrs[ATTRIBUTE] = list(scene.period)
     if "thermodynamics" in scene.effects:
         attrs[SCHEME_ATTRIBUTE] = scene.column.scheme
     if {"mixed_layer", "rims"} & set(scene.effects):

@@ -319,7 +319,7 @@ def _dataset(
     scene: Scene, x: Array, y: Array, siconc: Array, sithick: Array, land: Flags, area: Array
 ) -> xr.Dataset:
     dims, period = ("y", "x"), scene.period
-    repeats = {} if period is None else {ATTRIBUTE: np.array(period)}
+    repeats = {} if period is None else {ATTRIBUTE: list(period)}
     return xr.Dataset(
         {
             "siconc": (dims, siconc, {"units": "1", "standard_name": "sea_ice_area_fraction"}),

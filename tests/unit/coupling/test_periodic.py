@@ -23,6 +23,7 @@ from floeflow.scene.blocks import Scene
 from floeflow.scene.load import parse_scene
 from floeflow.state.bonds import CONTACT_COLUMNS, empty_pairs
 from floeflow.state.files import read_state, write_state
+from floeflow.state.schema import check_state
 from support.rafts import discs
 from support.ranks import TESTS, mpirun
 
@@ -48,6 +49,14 @@ def a_scene(effects: str = UP, axes: str = "y", rim: str = "left, right") -> Sce
 @pytest.fixture(scope="module")
 def packed(tmp_path_factory: pytest.TempPathFactory) -> First:
     return first_state(a_scene(), tmp_path_factory.mktemp("packed"))
+
+
+@pytest.mark.parametrize("bounds", [None, [0.0, 1.0, 2.0], [0.0, 5.0, 1.0, 5.0], ["a"] * 4, 3.0])
+def test_a_state_without_its_bounds_is_refused(packed: First, bounds: object) -> None:
+    state = packed.state.assign_attrs(period=bounds)
+    check_state(packed.state)
+    with pytest.raises(FloeError, match="attribute 'period' is missing or holds no bounds"):
+        check_state(state)
 
 
 def moved_up(state: xr.Dataset, way: float) -> xr.Dataset:
