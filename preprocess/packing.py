@@ -16,7 +16,8 @@ def main(snakemake: Snakemake) -> None:
     scene = scene_of(snakemake)
     mask = read_dataset(snakemake.input.mask)
     walls = scene_walls(scene)
-    compact = compactor(grid_of(mask), Path(str(snakemake.log[0])).parent, walls)
+    scratch = Path(str(snakemake.log[0])).parent
+    compact = compactor(grid_of(mask), scratch, walls, scene.period)
     made = make_packing(mask, scene.packing, scene.seed, "coast" in scene.effects, compact, walls)
     write_dataset(made, snakemake.output.packing)
 

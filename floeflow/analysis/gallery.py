@@ -13,6 +13,7 @@ import os
 import sys
 import tempfile
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from matplotlib.collections import EllipseCollection, LineCollection, PolyCollec
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from floeflow.core.period import period_of, sides
 from floeflow.coupling.first_state import Pack, first_pack
 from floeflow.report.figures.frame import Frame, draw_land, draw_scale_bar, prepare_axes
 from floeflow.report.figures.maps import element_shapes
@@ -74,8 +76,11 @@ VIEWS = (
          "The Antarctic in September, within an ice edge drawn by hand: finer at the coast, sizes "
          "of neighbours spread."),
     View("dense_pack_pressed", 10.0, 5.0, 6.0,
-         "Floes of two sizes, compacted by the element model until they jam; the right wall will "
-         "press them."),
+         "Floes of two sizes, compacted by the element model to 0.82 of the area, a little below "
+         "where they jam; the right wall will press them."),
+    View("periodic_pack_pressed", 10.0, 9.0, 6.0,
+         "The same sizes in a rectangle that repeats itself in y, frozen together: bonds reach "
+         "across the sides (right: across y = 10 km). The right wall will press them."),
     View("drift_ice", 0.0, -980.0, 12.0,
          "Three tenths of ice as whole floes whose radii follow a power law."),
     View("ice_arch", 0.0, -1210.0, 90.0,
@@ -136,13 +141,24 @@ def draw(view: View, scene: Scene, mask: xr.Dataset, packing: xr.Dataset) -> Fig
         whole.add_patch(box)
         part.set_facecolor(CONCENTRATION.water)
         draw_land(part, mask["land"])
-        lines = PolyCollection(shapes.polygons, facecolors=tones, edgecolors="white")
-        lines.set(linewidths=0.7, zorder=3)
-        part.add_collection(lines)
+        for shift in copies(packing):
+            drawn = [polygon + shift for polygon in shapes.polygons]
+            lines = PolyCollection(drawn, facecolors=tones, edgecolors="white")
+            lines.set(linewidths=0.7, zorder=3)
+            part.add_collection(lines)
         part.set(xlim=(view.x - half, view.x + half), ylim=(view.y - half, view.y + half))
         part.set(aspect="equal", xticks=[], yticks=[], title=f"{view.width:g} km of it")
         draw_scale_bar(part, view.width)
     return figure
+
+
+def copies(packing: xr.Dataset) -> list[np.ndarray]:
+    """Shifts (km), (2,), at which a packing is drawn: where it is, and where it repeats itself."""
+    period, none = period_of(packing.attrs), np.zeros(2)
+    if period is None:
+        return [none]
+    ways = [(-side, 0.0, side) if np.isfinite(side) else (0.0,) for side in sides(period)]
+    return [np.array([right, up]) / 1e3 for right in ways[0] for up in ways[1]]
 
 
 def draw_discs(axes: Axes, packing: xr.Dataset, bonds: xr.Dataset | None) -> None:
@@ -150,11 +166,12 @@ def draw_discs(axes: Axes, packing: xr.Dataset, bonds: xr.Dataset | None) -> Non
     mobile = packing["type"].values == MOBILE
     places = np.stack([packing["x"].values, packing["y"].values], axis=1) / 1e3
     wide = 2.0 * packing["radius"].values / 1e3
-    for chosen, face, edge in ((mobile, "none", "#2c3e50"), (~mobile, "#7f6a55", "none")):
+    kinds = ((mobile, "none", "#2c3e50"), (~mobile, "#7f6a55", "none"))
+    for shift, (chosen, face, edge) in product(copies(packing), kinds):
         axes.add_collection(
             EllipseCollection(
                 wide[chosen], wide[chosen], np.zeros(int(chosen.sum())), units="xy",
-                offsets=places[chosen], offset_transform=axes.transData,
+                offsets=places[chosen] + shift, offset_transform=axes.transData,
                 facecolors=face, edgecolors=edge, linewidths=0.6, zorder=4,
             )
         )  # fmt: skip
@@ -164,10 +181,9 @@ def draw_discs(axes: Axes, packing: xr.Dataset, bonds: xr.Dataset | None) -> Non
             places[row] + np.stack([bonds[f"bond_lo_{end}{axis}"] for axis in "xy"], axis=1) / 1e3
             for end in "ab"
         ]
-        lines = LineCollection(
-            list(np.stack(ends, axis=1)), colors="#c0392b", linewidths=0.9, zorder=5
-        )
-        axes.add_collection(lines)
+        for shift in copies(packing):
+            drawn = list(np.stack(ends, axis=1) + shift)
+            axes.add_collection(LineCollection(drawn, colors="#c0392b", linewidths=0.9, zorder=5))
 
 
 def figures_of(made: Pack) -> str:

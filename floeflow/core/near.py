@@ -14,6 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from floeflow.core.period import Period, images
+
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -303,7 +305,7 @@ def deepest_overlap(
     points: Array,
     radius: Array,
     mobile: int,
-    period: tuple[float, float, float, float] | None = None,
+    period: Period | None = None,
 ) -> float:
     """Largest overlap of discs, as a share of the sum of the two radii; 0 where none overlap.
 
@@ -314,29 +316,12 @@ def deepest_overlap(
     mobile : int
         How many can move.
     period : tuple of float, optional
-        West, south, east and north edge (m) of a rectangle that repeats itself and holds them all.
+        Bounds (m) of a rectangle that repeats itself and holds them all (`floeflow.core.period`).
     """
-    if period is not None:
-        points, radius, mobile = _repeated(points, radius, mobile, period)
+    # Copies count as fixed ones.
+    copies, of = images(points, 2.0 * float(radius.max()), period)
+    points, radius = np.concatenate([points, copies]), np.concatenate([radius, radius[of]])
     x, y = np.ascontiguousarray(points.T, dtype=float)
     radius = np.ascontiguousarray(radius, dtype=float)
     bins = _bins(x, y, 2.0 * float(radius.max()))
     return float(_deepest(x, y, radius, mobile, bins))
-
-
-def _repeated(
-    points: Array, radius: Array, mobile: int, period: tuple[float, float, float, float]
-) -> tuple[Array, Array, int]:
-    """Discs of a repeated rectangle, with those around it that reach into it as fixed ones."""
-    west, south, east, north = period
-    reach = 2.0 * float(radius.max())
-    around, wide = [points], [radius]
-    for right in (-1, 0, 1):
-        for up in (-1, 0, 1):
-            moved = points + np.array([right * (east - west), up * (north - south)])
-            near = (moved[:, 0] > west - reach) & (moved[:, 0] < east + reach)
-            near &= (moved[:, 1] > south - reach) & (moved[:, 1] < north + reach)
-            if (right, up) != (0, 0):
-                around.append(moved[near])
-                wide.append(radius[near])
-    return np.concatenate(around), np.concatenate(wide), mobile

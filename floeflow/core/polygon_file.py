@@ -21,6 +21,9 @@ Array = NDArray[np.float64]
 
 # Sides longer than this (degrees) are divided, as they are bent on the map.
 LONGEST_SIDE = 0.25
+# Rings that cross themselves count as the area around which they go once, where that is not
+# further from their own than this share: shorelines have small loops.
+CROSSED = 0.01
 MAX_BYTES = 50_000_000
 
 
@@ -111,7 +114,7 @@ def project(polygon: shapely.Geometry, crs: str, name: str) -> shapely.Geometry:
     Raises
     ------
     FloeError
-        Where it lies outside of the projection.
+        Where it lies outside of the projection, or its ring crosses itself.
     """
     target = pyproj.CRS.from_user_input(crs)
     assert target.geodetic_crs is not None
@@ -130,8 +133,18 @@ def project(polygon: shapely.Geometry, crs: str, name: str) -> shapely.Geometry:
         if not all(np.isfinite(ring).all() for ring in (shell, *holes)):
             raise FloeError(f"{name} lies outside of the projection '{target.name}'")
         parts.append(shapely.Polygon(shell, holes))
+        _check_simple(parts[-1], name)
     valid = shapely.make_valid(parts, method="structure", keep_collapsed=False)
     return shapely.union_all(valid)
+
+
+def _check_simple(part: shapely.Polygon, name: str) -> None:
+    """Refuse a polygon of which a guess would take another area than was meant."""
+    if shapely.is_valid(part):
+        return
+    repaired = float(shapely.area(shapely.make_valid(part, method="structure")))
+    if abs(repaired - part.area) > CROSSED * max(repaired, part.area):
+        raise FloeError(f"{name}: its ring crosses itself")
 
 
 def within(polygon: shapely.Geometry, x: Array, y: Array) -> NDArray[np.bool_]:

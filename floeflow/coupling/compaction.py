@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from floeflow.core.constants import ICE_DENSITY
 from floeflow.core.grids import Grid
 from floeflow.core.near import deepest_overlap
+from floeflow.core.period import Period, sides, wrapped
 from floeflow.dynamics.engine.engine import Engine
 from floeflow.dynamics.engine.params import FIXED, EngineParams
 from floeflow.dynamics.step.critical import critical_step
@@ -72,13 +73,13 @@ class Box:
     walls : dict of ndarray, optional
         Faces as from `floeflow.state.walls`.
     period : tuple of float, optional
-        West, south, east and north edge (m) of a rectangle that repeats itself.
+        Bounds (m) of a rectangle that repeats itself (`floeflow.core.period`).
     """
 
     fixed: Array
     fixed_radius: Array
     walls: Arrays | None = None
-    period: tuple[float, float, float, float] | None = None
+    period: Period | None = None
 
 
 def compact(places: Array, radius: Array, box: Box, tolerance: float, folder: Path) -> Compacted:
@@ -101,7 +102,7 @@ def compact(places: Array, radius: Array, box: Box, tolerance: float, folder: Pa
         Where they are. Jammed discs keep overlaps above the tolerance, which is said.
     """
     radius = np.asarray(radius, float)
-    places = _wrapped(np.asarray(places, float), box)
+    places = wrapped(np.asarray(places, float), box.period)
     share = 1.0
     while share > 0.3 and _overlap(places, share * radius, box) > 0.25 * GROWTH:
         share -= GROWTH
@@ -132,7 +133,7 @@ def _round(places: Array, radius: Array, box: Box, folder: Path) -> Array:
         engine.run(STEPS)
         moved = engine.elements()
     mobile = moved["type"] != FIXED
-    return _wrapped(np.stack([moved["x"][mobile], moved["y"][mobile]], axis=1), box)
+    return wrapped(np.stack([moved["x"][mobile], moved["y"][mobile]], axis=1), box.period)
 
 
 def _elements(places: Array, radius: Array, box: Box) -> Arrays:
@@ -161,13 +162,6 @@ def _overlap(places: Array, radius: Array, box: Box) -> float:
     return deepest_overlap(everywhere, wide, len(places), box.period)
 
 
-def _wrapped(places: Array, box: Box) -> Array:
-    if box.period is None:
-        return places
-    low, high = np.array(box.period[:2]), np.array(box.period[2:])
-    return low + np.mod(places - low, high - low)
-
-
 def _held(side: Arrays, walls: Arrays) -> bool:
     """Whether a plane of the walls stands at a side of the rectangle, or parallel before it."""
     along = [walls[f"b{axis}"] - walls[f"a{axis}"] for axis in "xy"]
@@ -177,28 +171,34 @@ def _held(side: Arrays, walls: Arrays) -> bool:
     return bool(((walls["plane"] != 0) & parallel & before).any())
 
 
-def compactor(grid: Grid, folder: Path, walls: Arrays | None = None) -> Compactor:
+def compactor(
+    grid: Grid, folder: Path, walls: Arrays | None = None, period: Period | None = None
+) -> Compactor:
     """Compaction by the element model within the rectangle of a grid, and walls that stand in it.
 
-    Walls are taken where they are at time 0, at rest.
+    Walls are taken where they are at time 0, at rest. Sides beyond which the ice repeats itself
+    hold nothing.
     """
     (west, east), (south, north) = grid.x_edges[[0, -1]], grid.y_edges[[0, -1]]
     low, high = (float(west), float(south)), (float(east), float(north))
-    sides = [
-        plane(*low, (1.0, 0.0)),
-        plane(*low, (0.0, 1.0)),
-        plane(*high, (-1.0, 0.0)),
-        plane(*high, (0.0, -1.0)),
-    ]
+    ends = [True, True] if period is None else [not np.isfinite(side) for side in sides(period)]
+    planes = (
+        (low, (1.0, 0.0), ends[0]),
+        (low, (0.0, 1.0), ends[1]),
+        (high, (-1.0, 0.0), ends[0]),
+        (high, (0.0, -1.0), ends[1]),
+    )
+    rim = [plane(*corner, normal) for corner, normal, there in planes if there]
     if walls is not None:
         # Two planes at one place would push twice.
-        sides = [side for side in sides if not _held(side, walls)]
-        sides.append(walls | {name: np.zeros(len(walls[name])) for name in ("u", "v")})
-    held = join(sides)
+        rim = [side for side in rim if not _held(side, walls)]
+        rim.append(walls | {name: np.zeros(len(walls[name])) for name in ("u", "v")})
+    held = join(rim) if rim else None
 
     def run(
         places: Array, radius: Array, fixed: Array, fixed_radius: Array, overlap: float
     ) -> Array:
-        return compact(places, radius, Box(fixed, fixed_radius, held), overlap, folder).places
+        box = Box(fixed, fixed_radius, held, period)
+        return compact(places, radius, box, overlap, folder).places
 
     return run

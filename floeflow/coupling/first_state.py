@@ -80,7 +80,7 @@ def first_pack(scene: Scene, scratch: Path) -> Pack:
     if "mixed_layer" in scene.effects:
         mask = with_sea(scene, mask)
     keys, coast, walls = scene.packing, "coast" in scene.effects, scene_walls(scene)
-    compact = compactor(grid_of(mask), scratch, walls)
+    compact = compactor(grid_of(mask), scratch, walls, scene.period)
     packing = make_packing(mask, keys, scene.seed, coast, compact, walls)
     if "bonds" not in scene.effects:
         return Pack(mask, packing, None)

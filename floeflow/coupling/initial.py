@@ -7,6 +7,7 @@ import xarray as xr
 from floeflow.column.initial_columns import SNOW_LAYERS, first_columns
 from floeflow.column.settings import column_settings, first_ice
 from floeflow.core.grids import scene_grid
+from floeflow.core.period import ATTRIBUTE
 from floeflow.coupling.initial_walls import wall_variables
 from floeflow.coupling.origin import provenance
 from floeflow.coupling.sea.first import first_sea
@@ -89,6 +90,8 @@ def make_state(
         "unclaimed_water": float(packing.attrs["unclaimed_water"]),
         "provenance": provenance(scene),
     }
+    if scene.period is not None:
+        attrs[ATTRIBUTE] = list(scene.period)
     if "thermodynamics" in scene.effects:
         attrs[SCHEME_ATTRIBUTE] = scene.column.scheme
     if {"mixed_layer", "rims"} & set(scene.effects):

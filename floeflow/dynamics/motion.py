@@ -16,6 +16,8 @@ from mpi4py import MPI
 
 from floeflow.core.collective import on_root
 from floeflow.core.constants import AIR_DENSITY, SEAWATER_DENSITY
+from floeflow.core.errors import FloeError
+from floeflow.core.period import Period, shortest, sides
 from floeflow.dynamics.engine.energy_check import check_energy
 from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.engine.setup import within_reach
@@ -68,7 +70,7 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
     return EngineParams(
         time_step=time_step,
         **{"friction": False, **switches},
-        period=None,
+        period=scene.period,
         young_modulus=d.young_modulus,
         poisson_ratio=d.poisson_ratio,
         bond_damping=d.bond_damping,
@@ -208,7 +210,7 @@ def move(
     faces = wall_faces(state)
     walled = "walls" in scene.effects
     with Engine(comm, params, log, faces) as engine:
-        contacts = rest_overlaps(elements, bonds, pair_arrays(state, "contact"))
+        contacts = rest_overlaps(elements, bonds, pair_arrays(state, "contact"), params.period)
         if not params.fixed_contacts:
             contacts = without_fixed(elements, contacts)
         start = float(state.attrs["time"])
@@ -216,7 +218,8 @@ def move(
         if params.external:
             engine.set_forcing(engine_forcing(scene, forcing, params.external))
         first = engine.diagnostics()
-        _sample(motion, scene, engine.elements(), first, 0.0)
+        here, drift = engine.elements(), np.zeros((2, len(elements["id"])))
+        _sample(motion, scene, here, first, 0.0)
         if walled:
             _sample_walls(motion, scene, engine, 0.0)
         motion.setup_seconds = time.perf_counter() - began
@@ -224,7 +227,9 @@ def move(
         for k in range(1, scene.dynamics.samples + 1):
             engine.run(between)
             sums = engine.diagnostics()
-            here = engine.elements()
+            here, last = engine.elements(), here
+            if params.period is not None:
+                drift += steps_between(last, here, between * step, params.period)
             check_energy(first, sums, here, k * between)
             _sample(motion, scene, here, sums, k * between * step)
             if walled:
@@ -239,7 +244,9 @@ def move(
         left = engine.bonds() if bonds is not None else None
         moved = engine.elements()
         walls = engine.wall_contacts() if faces is not None else held
-        motion.state = carry_drift(state, moved_state(state, moved, left, engine.contacts(), walls))
+        after = moved_state(state, moved, left, engine.contacts(), walls)
+        gone = None if params.period is None else (drift[0], drift[1])
+        motion.state = carry_drift(state, after, gone)
     mobile = moved["type"] == MOBILE
     switched = {"wind": params.wind, "ocean": params.ocean_drag}
     motion.impulses = {
@@ -256,6 +263,25 @@ def move(
         motion.state = close_areas(motion.state, ridged, least, tables, end, leads)
         motion.budget["ridged_area"] = float(ridged.sum())
     return motion
+
+
+def steps_between(last: Arrays, now: Arrays, seconds: float, period: Period) -> np.ndarray:
+    """How far elements of a repeated rectangle went between two samples (m), (2, n).
+
+    Raises
+    ------
+    FloeError
+        Where one may have gone half around the rectangle: which way, its places do not tell.
+    """
+    for axis, speed, side in zip("xy", "uv", sides(period), strict=True):
+        fastest = float(max(np.abs(each[speed]).max() for each in (last, now)))
+        if fastest * seconds >= 0.5 * side:
+            raise FloeError(
+                f"dynamics.samples: ice of {fastest:.3g} m/s goes half around the rectangle in "
+                f"{axis} ({side:g} m, effect periodic) between two samples: ask for more samples"
+            )
+    moved = now["x"] - last["x"], now["y"] - last["y"]
+    return np.stack(shortest(moved, period))
 
 
 def _sample(

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from floeflow.core import area_means, fields, interpolate
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import Grid, cell_area, mask_grid, scene_crs, to_lonlat
+from floeflow.core.period import ATTRIBUTE
 from floeflow.masks.floe_mask import floe_mask
 from floeflow.masks.labels import read_labels
 from floeflow.masks.mask_file import MaskFile, read_mask_file
@@ -317,7 +318,8 @@ def _with_thickness(
 def _dataset(
     scene: Scene, x: Array, y: Array, siconc: Array, sithick: Array, land: Flags, area: Array
 ) -> xr.Dataset:
-    dims = ("y", "x")
+    dims, period = ("y", "x"), scene.period
+    repeats = {} if period is None else {ATTRIBUTE: list(period)}
     return xr.Dataset(
         {
             "siconc": (dims, siconc, {"units": "1", "standard_name": "sea_ice_area_fraction"}),
@@ -326,5 +328,5 @@ def _dataset(
             "cell_area": (dims, area, {"units": "m2", "standard_name": "cell_area"}),
         },
         coords={"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})},
-        attrs={"crs": scene.domain.crs},
+        attrs={"crs": scene.domain.crs} | repeats,
     )

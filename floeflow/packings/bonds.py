@@ -14,8 +14,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from floeflow.core.period import Period, period_of, shortest
 from floeflow.packings.lines import diagram_around, disc_lines
-from floeflow.state.bonds import new_bonds
+from floeflow.state.bonds import Arrays, new_bonds
 from floeflow.state.elements import joint_thickness
 from floeflow.state.schema import COAST, VARIABLES
 from floeflow.state.walls import clearance, rings
@@ -104,7 +105,8 @@ def frozen(packing: xr.Dataset, edges: Edges, bond_gap: float, minimum: float) -
     if "concentration" in packing:
         fraction = packing["concentration"].values
     reach = radius[edges.lo] + radius[edges.hi]
-    gap = np.hypot(x[edges.hi] - x[edges.lo], y[edges.hi] - y[edges.lo]) - reach
+    between = x[edges.hi] - x[edges.lo], y[edges.hi] - y[edges.lo]
+    gap = np.hypot(*shortest(between, period_of(packing.attrs))) - reach
     gap = np.minimum(gap, _shore_gap(packing, edges))
     near = gap < np.maximum(bond_gap, 1e-9) * reach
     if "floe" in packing:
@@ -114,6 +116,36 @@ def frozen(packing: xr.Dataset, edges: Edges, bond_gap: float, minimum: float) -
         )
     holds = (fraction > 0) & (fraction >= minimum) | (packing["type"].values == COAST)
     return edges.pick(near & holds[edges.lo] & holds[edges.hi])
+
+
+def _table(
+    elements: Arrays, lo: Index, hi: Index, lines: tuple[Array, Array], period: Period | None
+) -> Arrays:
+    """Bonds of pairs of rows, lower first, along lines (m, 4) of a thickness (m,).
+
+    A line across a side of a repeated rectangle lies at the place of the lower row: the bond is
+    made with a copy of the other that stands there.
+    """
+    ends, thickness = lines
+    copied, count = np.zeros(0, np.int64), len(elements["id"])
+    if period is not None:
+        x, y = elements["x"], elements["y"]
+        between = x[hi] - x[lo], y[hi] - y[lo]
+        here = shortest(between, period)
+        across = np.flatnonzero((here[0] != between[0]) | (here[1] != between[1]))
+        copied, hi = hi[across], hi.copy()
+        hi[across] = count + np.arange(len(across))
+        places = {axis: elements[axis][lo[across]] + here[k][across] for k, axis in enumerate("xy")}
+        elements = {axis: np.append(elements[axis], places[axis]) for axis in "xy"}
+    elements = elements | {"id": np.arange(1, count + len(copied) + 1)}
+    elements["theta"] = np.zeros(count + len(copied))
+    ax, ay, bx, by = ends.T
+    table = new_bonds(elements, lo + 1, hi + 1, ax, ay, bx, by, thickness)
+    # Copies have the highest ids: the lower one of a pair stays the lower.
+    owner = np.append(np.arange(1, count + 1), copied + 1)
+    table["id_hi"] = owner[table["id_hi"] - 1]
+    order = np.lexsort((table["id_hi"], table["id_lo"]))
+    return {name: values[order] for name, values in table.items()}
 
 
 def _shore_gap(packing: xr.Dataset, edges: Edges) -> Array:
@@ -155,10 +187,8 @@ def make_bonds(
     ends = np.concatenate([edges.ends for edges in bonded])
     thickness = joint_thickness(packing)
     elements = {name: packing[name].values for name in ("id", "x", "y")}
-    elements["theta"] = np.zeros(len(elements["id"]))
     thinner = np.minimum(thickness[lo], thickness[hi])
-    ax, ay, bx, by = ends.T
-    table = new_bonds(elements, lo + 1, hi + 1, ax, ay, bx, by, thinner)
+    table = _table(elements, lo, hi, (ends, thinner), period_of(packing.attrs))
     names = {name: f"bond_{name}" for name in table}
     assert all(name in VARIABLES for name in names.values())
     log.info(

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from floeflow.core.grids import Grid
+from floeflow.core.period import Period, images, period_of
 from floeflow.packings import discs, points
 from floeflow.packings.elements import Elements, grid_of, hilbert_order, ordered
 from floeflow.packings.lines import diagram_around, disc_lines
@@ -26,6 +27,7 @@ from floeflow.state.bonds import Arrays
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Index = NDArray[np.int64]
 
 log = logging.getLogger(__name__)
 
@@ -111,11 +113,12 @@ def dense_discs(
     places = discs.spread(grid, ice, places, (coast, clear), radius, shore)
     places = shore.before(places, radius)
     places = compact(places, radius, coast, clear, keys.overlap)
+    period = period_of(mask.attrs)
     places = _on_grid(grid, places)
     order = hilbert_order(grid, places)
     places, radius = places[order], radius[order]
     everywhere = np.concatenate([places, coast])
-    shrunk = discs.apart(everywhere, np.concatenate([radius, clear]), len(places))
+    shrunk = discs.apart(everywhere, np.concatenate([radius, clear]), len(places), period)
     log.info(
         "discs fill %.4f of the ice cells' area; overlaps took %.2g of it",
         np.pi * (shrunk[: len(places)] ** 2).sum() / (ice.sum() * grid.spacing**2),
@@ -153,11 +156,7 @@ def _elements(mask: xr.Dataset, places: Array, radius: Array, count: int) -> Ele
     stands = true * (wanted / true.sum())
     thick = sithick[at]
     thick = thick * (float((siconc * sithick * area).sum()) / float((stands * thick).sum()))
-    diagram = diagram_around(places, radius)
-    reach = radius[diagram.lo] + radius[diagram.hi]
-    gap = np.hypot(*(places[diagram.hi] - places[diagram.lo]).T) - reach
-    chosen = (diagram.hi < count) & (gap < NEIGHBOUR * reach)
-    lo, hi, ends = disc_lines(diagram, places, radius, chosen)
+    lo, hi, ends = _lines(places, radius, count, period_of(mask.attrs))
     return Elements(
         places,
         radius,
@@ -171,6 +170,29 @@ def _elements(mask: xr.Dataset, places: Array, radius: Array, count: int) -> Ele
         correction=0.0,
         concentration=siconc[at],
     )
+
+
+def _lines(
+    places: Array, radius: Array, count: int, period: Period | None
+) -> tuple[Index, Index, Array]:
+    """Lines between neighbours, in the order of their rows; across sides at the place of the lower.
+
+    The first ``count`` discs are ice. A pair that meets in two images has the line of one.
+    """
+    copies, of = images(places, 2.0 * (1.0 + NEIGHBOUR) * float(radius.max()), period)
+    every, wide = np.concatenate([places, copies]), np.concatenate([radius, radius[of]])
+    own = np.concatenate([np.arange(len(places)), of])
+    diagram = diagram_around(every, wide)
+    reach = wide[diagram.lo] + wide[diagram.hi]
+    gap = np.hypot(*(every[diagram.hi] - every[diagram.lo]).T) - reach
+    first, second = own[diagram.lo], own[diagram.hi]
+    chosen = (first < count) & (second < count) & (gap < NEIGHBOUR * reach)
+    # Each pair across a side is there from both sides, and once more among copies.
+    chosen &= (diagram.lo < len(places)) & (first < second)
+    lo, hi, ends = disc_lines(diagram, every, wide, chosen)
+    hi = own[hi]
+    _, once = np.unique(lo * len(places) + hi, return_index=True)
+    return lo[once], hi[once], ends[once]
 
 
 def _nearest_ice(grid: Grid, ice: Flags, x: Array, y: Array) -> tuple[NDArray[np.int64], ...]:

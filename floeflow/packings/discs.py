@@ -14,6 +14,8 @@ from scipy.spatial import cKDTree
 
 from floeflow.core.grids import Grid
 from floeflow.core.near import pushes, thin
+from floeflow.core.period import Period, tree_of
+from floeflow.core.period import apart as distances
 from floeflow.packings.points import hilbert_key, on_ice
 from floeflow.packings.shore import Shore
 
@@ -210,7 +212,7 @@ def coast_at_ice(points: Array, radius: Array, mobile: int, largest: Array) -> A
     return out
 
 
-def apart(points: Array, radius: Array, mobile: int) -> Array:
+def apart(points: Array, radius: Array, mobile: int, period: Period | None = None) -> Array:
     """Radii of overlapping discs shortened until none overlaps, each by half its deepest overlap.
 
     Parameters
@@ -219,16 +221,19 @@ def apart(points: Array, radius: Array, mobile: int) -> Array:
         Discs (m), (n, 2) and (n,); those from row `mobile` on are fixed and keep their radii.
     mobile : int
         How many can shrink.
+    period : tuple of float, optional
+        Bounds (m) of a rectangle that repeats itself (`floeflow.core.period`).
 
     Returns
     -------
     ndarray
         Radii (m), (n,).
     """
-    pairs = cKDTree(points).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
+    tree = tree_of(points, period)
+    pairs = tree.query_pairs(2.0 * float(radius.max()), output_type="ndarray")
     pairs = pairs[pairs[:, 0] < mobile]
     first, second = pairs.T
-    overlap = radius[first] + radius[second] - np.hypot(*(points[first] - points[second]).T)
+    overlap = radius[first] + radius[second] - distances(points, first, second, period)
     less = np.zeros(len(radius))
     share = np.where(second < mobile, 0.5, 1.0)
     np.maximum.at(less, first, share * overlap)

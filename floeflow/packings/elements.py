@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core.grids import Grid
+from floeflow.core.period import ATTRIBUTE
 from floeflow.packings import points
 from floeflow.packings.coastline import coastline
 from floeflow.state.schema import COAST, MOBILE
@@ -145,6 +146,8 @@ def packing_dataset(mask: xr.Dataset, elements: Elements) -> xr.Dataset:
         "unclaimed_water": unclaimed if abs(unclaimed) > ROUND_OFF * ocean else 0.0,
         "overlay_correction": elements.correction,
     }
+    if ATTRIBUTE in mask.attrs:
+        attrs[ATTRIBUTE] = mask.attrs[ATTRIBUTE]
     return xr.Dataset(
         {name: ("element", values) for name, values in data.items()}
         | {name: (("element", "category"), values) for name, values in columns.items()}

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from floeflow.core.clip import shared
 from floeflow.core.near import deepest_overlap
+from floeflow.core.period import period_of, shortest
 from floeflow.packings.discs import outlines
 from floeflow.packings.elements import grid_of
 from floeflow.packings.tessellation import cell_corners, touched
@@ -66,7 +67,9 @@ def quality(mask: xr.Dataset, packing: xr.Dataset) -> dict[str, float]:
     radius, area = packing["radius"].values, packing["area"].values[mobile]
     own, size = radius[mobile], np.sqrt(area)
     lo, hi = packing["edge_lo"].values - 1, packing["edge_hi"].values - 1
-    apart = places[hi] - places[lo]
+    period = period_of(packing.attrs)
+    dx, dy = (places[hi] - places[lo]).T
+    apart = np.column_stack(shortest((dx, dy), period))
     span = np.hypot(*apart.T)
     touching = (span < (1.0 + TOUCH) * (radius[lo] + radius[hi])).sum()
     out = {
@@ -79,7 +82,7 @@ def quality(mask: xr.Dataset, packing: xr.Dataset) -> dict[str, float]:
         "coordination": 2.0 * float(touching) / len(own),
         "neighbours": 2.0 * len(lo) / len(own),
         "anisotropy": _anisotropy(apart, span),
-        "overlap": deepest_overlap(places, radius, int(mobile.sum())),
+        "overlap": deepest_overlap(places, radius, int(mobile.sum()), period),
         "ashore": _on_land(mask, places[mobile], own) / _plane_area(mask),
     }
     return out | _ice(mask, packing.isel(element=np.flatnonzero(mobile)))

@@ -7,11 +7,13 @@ The models below are the single source. The loader validates with them; ``config
 
 from __future__ import annotations
 
+import math
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
 from pydantic import PrivateAttr, StringConstraints, WithJsonSchema, model_validator
 
+from floeflow.core.period import Period
 from floeflow.scene.block import Block, key
 from floeflow.scene.effects import EFFECTS
 from floeflow.scene.physics import ColumnPhysics
@@ -597,6 +599,14 @@ class Rims(Block):
     )
 
 
+class Periodic(Block):
+    """A rectangle that repeats itself (read with the effect periodic)."""
+
+    axes: tuple[Literal["x", "y"], ...] = key(
+        ("x", "y"), "Along which axes; sides across the others are open, or walls.", min_length=1
+    )
+
+
 class Gates(Block):
     """Lines over which passing ice is counted (read with the effect gates)."""
 
@@ -752,6 +762,7 @@ class Scene(Block):
     physics: ColumnPhysics = key(ColumnPhysics(), "Which constants of the columns.")
     sea: Sea = key(Sea(), "Which sea.")
     rims: Rims = key(Rims(), "What happens at the sides of the rectangle.")
+    periodic: Periodic = key(Periodic(), "Where the rectangle repeats itself.")
     gates: Gates = key(Gates(), "Where passing ice is counted.")
     grounding: Grounding = key(Grounding(), "Where ridges reach the seabed.")
     remap: Remap = key(Remap(), "When elements are remapped.")
@@ -762,6 +773,20 @@ class Scene(Block):
     exchange: Exchange = key(Exchange(), "What goes back to other models.")
     workflow: Workflow = key(Workflow(), "How the run is cut into jobs.")
     _auto: bool = PrivateAttr(default=False)
+
+    @property
+    def period(self) -> Period | None:
+        """Bounds of the rectangle that repeats itself, or None (`floeflow.core.period`)."""
+        if "periodic" not in self.effects:
+            return None
+        low, high = (
+            [
+                getattr(self.domain, f"{axis}_{end}") if axis in self.periodic.axes else infinite
+                for axis in ("x", "y")
+            ]
+            for end, infinite in (("min", -math.inf), ("max", math.inf))
+        )
+        return low[0], low[1], high[0], high[1]
 
     @property
     def auto(self) -> bool:

@@ -72,6 +72,8 @@ def check_combinations(scene: Scene) -> None:
     if "redistribution" in scene.effects and scene.column.categories < 2:
         raise FloeError("effect 'redistribution' needs column.categories of 2 or more")
     _check_generator(scene)
+    if "periodic" in scene.effects:
+        _check_periodic(scene)
     if scene.packing.coast_bonds and not {"bonds", "coast"} <= set(scene.effects):
         raise FloeError("packing.coast_bonds needs the effects 'bonds' and 'coast'")
 
@@ -102,6 +104,39 @@ def _check_generator(scene: Scene) -> None:
             raise FloeError(
                 "effect 'remap' makes cells that fill the sea anew; with packing.generator "
                 f"'{generator}' the floes would be lost"
+            )
+
+
+SIDES_ACROSS = {"x": ("left", "right"), "y": ("bottom", "top")}
+
+
+def _check_periodic(scene: Scene) -> None:
+    axes, walls = scene.periodic.axes, scene.walls
+    if len(set(axes)) < len(axes):
+        raise FloeError("periodic.axes names an axis twice")
+    if scene.packing.generator != "dense":
+        raise FloeError(
+            "effect 'periodic' needs packing.generator 'dense': the cells of a "
+            f"'{scene.packing.generator}' end at the sides of the rectangle"
+        )
+    if scene.mask.land != "none" or scene.mask.shoreline:
+        raise FloeError(
+            "effect 'periodic' needs mask.land 'none' and no mask.shoreline: a coast does not "
+            "repeat itself"
+        )
+    if "walls" not in scene.effects:
+        return
+    for axis, (number, across) in zip("xy", enumerate(SIDES_ACROSS.values()), strict=True):
+        if axis not in axes:
+            continue
+        for side in set(across) & set(walls.rim):
+            raise FloeError(
+                f"walls.rim names '{side}', beyond which the ice repeats itself (periodic.axes)"
+            )
+        if walls.mesh or any(plane[2 + number] != 0.0 for plane in walls.planes):
+            raise FloeError(
+                f"periodic.axes names {axis}: walls.planes must run along it (normal_{axis} 0), "
+                "and walls.mesh cannot be used"
             )
 
 

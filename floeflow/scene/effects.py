@@ -319,6 +319,14 @@ _REGISTERED = (
         diagnostics=("gate_area", "gate_volume"),
     ),
     Effect(
+        name="periodic",
+        physics="The rectangle repeats itself: bonds and contacts reach across its sides.",
+        source="Allen & Tildesley 2017, section 1.6.2",
+        excludes=("coast", "refreeze", "mixed_layer", "rims", "gates", "remap", "merge"),
+        # Elements that leave come in again, so places do not tell how far they went.
+        state=("drift_x", "drift_y"),
+    ),
+    Effect(
         name="grid_output",
         physics="Fields of the ice on the scene's grid at each window boundary, as CF NetCDF.",
         source="shares of area, balanced: Sinkhorn & Knopp 1967",

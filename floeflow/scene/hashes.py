@@ -23,6 +23,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
     "mask": (
         *("domain", "mask", "packing.generator", "time.start", "effects.mixed_layer"),
         *("sea.file", "sea.temperature", "sea.salinity", "effects.walls", "walls"),
+        *("effects.periodic", "periodic"),
     ),
     "packing": ("seed", "packing", "effects.coast", "effects.walls", "walls"),
     "bonds": ("packing.bond_gap", "packing.bond_concentration", "packing.coast_bonds"),
@@ -45,6 +46,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
         "effects",
         "dynamics",
         "grounding",
+        "periodic",
         "time.window",
         "packing.coast_bonds",
         "state.precision",
@@ -91,6 +93,8 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
         data["grounding"] = {}
     if "walls" not in scene.effects:
         data["walls"] = {}
+    if "periodic" not in scene.effects:
+        data["periodic"] = {}
     values: dict[str, Any] = {}
     for path in STAGE_KEYS[stage]:
         if path == FORCING_VARIABLES:

@@ -9,6 +9,7 @@ from collections.abc import Hashable, Mapping
 from datetime import datetime
 
 from floeflow.core.errors import FloeError
+from floeflow.core.period import ATTRIBUTE as PERIOD
 from floeflow.scene.effects import EFFECTS, SCHEME_STATE
 
 # The column scheme of a state with thermodynamics; where it is missing, zero_layer.
@@ -56,9 +57,20 @@ def check_attributes(attrs: Mapping[Hashable, object]) -> tuple[tuple[str, ...],
         datetime.fromisoformat(str(attrs["start"]))
     except ValueError:
         raise FloeError(f"attribute 'start' is {attrs['start']!r}, which is no time") from None
+    if "periodic" in effects and not _are_bounds(attrs.get(PERIOD)):
+        raise FloeError(f"attribute '{PERIOD}' is missing or holds no bounds of a rectangle")
     if not _is_json_object(str(attrs["provenance"])):
         raise FloeError("attribute 'provenance' is no JSON object")
     return effects, scheme
+
+
+def _are_bounds(value: object) -> bool:
+    """Whether these are west, south, east and north edge, infinite where an axis has ends."""
+    if not (isinstance(value, list) and len(value) == 4):
+        return False
+    if not all(isinstance(edge, float) for edge in value):
+        return False
+    return bool(value[0] < value[2] and value[1] < value[3])
 
 
 def _is_json_object(text: str) -> bool:

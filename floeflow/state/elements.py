@@ -117,14 +117,29 @@ def moved_state(
     return moved
 
 
-def carry_drift(before: xr.Dataset, after: xr.Dataset) -> xr.Dataset:
+def carry_drift(
+    before: xr.Dataset, after: xr.Dataset, way: tuple[np.ndarray, np.ndarray] | None = None
+) -> xr.Dataset:
     """State after a motion, in whose net displacement that motion is counted.
 
-    Fresh elements begin where their cells are, so positions alone do not tell how far ice went.
+    Fresh elements begin where their cells are, and in a rectangle that repeats itself elements
+    that leave come in again: positions alone do not tell how far ice went.
+
+    Parameters
+    ----------
+    before, after : xarray.Dataset
+        State before and after the motion.
+    way : tuple of ndarray, optional
+        How far each element went in x and y (m), (n,); absent: as its places tell.
     """
     if "drift_x" not in before:
         return after
-    gone = {f"drift_{a}": before[f"drift_{a}"] + (after[a] - before[a]) for a in ("x", "y")}
+    if way is None:
+        way = after["x"].values - before["x"].values, after["y"].values - before["y"].values
+    gone = {
+        f"drift_{a}": ("element", before[f"drift_{a}"].values + each)
+        for a, each in zip("xy", way, strict=True)
+    }
     return after.assign(gone)
 
 

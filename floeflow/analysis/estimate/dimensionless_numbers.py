@@ -240,6 +240,12 @@ def gates(c: Conditions) -> float:
     return math.nan
 
 
+@number_of("periodic")
+def periodic(c: Conditions) -> float:
+    """None: it says what lies beyond the sides, which no estimate can tell."""
+    return math.nan
+
+
 @number_of("grid_output")
 def grid_output(c: Conditions) -> float:
     """None: it changes no result; name it where fields on a grid are wanted."""

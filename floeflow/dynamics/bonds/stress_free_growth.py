@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from floeflow.core.period import distances_of, period_of
 from floeflow.dynamics.ridging.ridging import contact_share
 from floeflow.state.bonds import element_rows
 from floeflow.state.elements import element_arrays, pair_arrays
@@ -40,7 +41,7 @@ def keep_forces(
     """
     old, new = (element_arrays(state, minimum_thickness) for state in (before, after))
     lo, hi = (element_rows(old["id"], after[f"contact_id_{end}"].values) for end in ("lo", "hi"))
-    apart = np.hypot(old["x"][hi] - old["x"][lo], old["y"][hi] - old["y"][lo])
+    apart = distances_of(old, lo, hi, period_of(before.attrs))
     overlap = old["radius"][lo] + old["radius"][hi] - apart
     softer = contact_share(old, lo, hi) / contact_share(new, lo, hi)
     had = old["ice_area"] > 0.0

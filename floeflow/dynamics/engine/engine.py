@@ -15,6 +15,7 @@ import numpy as np
 from mpi4py import MPI
 
 from floeflow.core.errors import FloeError
+from floeflow.core.period import Period, wrapped
 from floeflow.dynamics.engine.checks import check_bonds, check_contacts, check_elements, check_time
 from floeflow.dynamics.engine.division import Division, choose_division
 from floeflow.dynamics.engine.log import log_tail, open_fault
@@ -56,6 +57,14 @@ CHUNK = 2000
 
 class EngineError(FloeError):
     """LIGGGHTS or an element failed; the sentence says which and where."""
+
+
+def _inside(elements: Arrays, period: Period | None) -> Arrays:
+    """Elements at the places where a repeated rectangle holds them."""
+    if period is None:
+        return elements
+    x, y = wrapped(np.column_stack([elements["x"], elements["y"]]), period).T
+    return elements | {"x": x.copy(), "y": y.copy()}
 
 
 class Engine:
@@ -145,6 +154,7 @@ class Engine:
         bonds = bonds if bonds is not None and self.params.bonds else empty_pairs(BOND_COLUMNS)
         contacts = contacts if contacts is not None else empty_pairs(self.params.contact_columns)
         check_elements(elements)
+        elements = _inside(elements, self.params.period)
         check_bonds(elements, bonds)
         check_contacts(elements, bonds, contacts, self.params.contact_columns)
         if self.walls is not None and wall_contacts is not None:
@@ -232,7 +242,8 @@ class Engine:
 
     def elements(self) -> Arrays:
         """Elements as `load` takes them, on every rank."""
-        return get_elements(self._library, self._instance, self.comm)
+        found = get_elements(self._library, self._instance, self.comm)
+        return _inside(found, self.params.period)
 
     def bonds(self) -> Arrays:
         """Bond table, sorted by (id_lo, id_hi), on every rank; broken bonds are not in it."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from floeflow.core.constants import AIR_DENSITY, CONTACT_SHEAR_RATIO, SEAWATER_DENSITY
 from floeflow.core.errors import FloeError
+from floeflow.core.period import Period, sides
 from floeflow.state.bonds import CONTACT_COLUMNS, RIDGE_COLUMNS
 
 FIXED = 2  # type of elements that never move
@@ -95,8 +96,8 @@ class EngineParams:
         Neighbours are kept up to this multiple of the sum of radii; from what a bond survives
         where absent.
     period : tuple of float, optional
-        West, south, east and north edge (m) of a rectangle that repeats itself in both directions;
-        absent: the plane has no ends.
+        Bounds (m) of a rectangle that repeats itself (`floeflow.core.period`); absent: the plane
+        has no ends.
     """
 
     time_step: float
@@ -133,7 +134,7 @@ class EngineParams:
     exact_losses: bool = False
     skin: float | None = None
     reach: float | None = None
-    period: tuple[float, float, float, float] | None = None
+    period: Period | None = None
 
     def __post_init__(self) -> None:
         positive = {
@@ -236,9 +237,10 @@ class EngineParams:
         )
 
 
-def _check_period(period: tuple[float, float, float, float]) -> None:
-    west, south, east, north = period
-    if not all(math.isfinite(edge) for edge in period) or west >= east or south >= north:
+def _check_period(period: Period) -> None:
+    whole = [math.isfinite(side) for side in sides(period)]
+    bounds = list(zip(period[:2], period[2:], whole, strict=True))
+    if not any(whole) or not all(low < high for low, high, _ in bounds):
         raise FloeError(f"period must be west, south, east and north edges, not {period}.")
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from floeflow.core.errors import FloeError
+from floeflow.core.period import distances_of, sides
 from floeflow.dynamics.engine.params import EngineParams
 from floeflow.state.bonds import Arrays
 
@@ -62,13 +63,15 @@ def box_of(elements: Arrays, params: EngineParams, reach: float) -> Box:
     """
     skin = params.skin if params.skin is not None else choose_skin(elements, params)
     margin = 2.0 * float(elements["radius"].max()) * reach + skin
-    if params.period is not None:
-        west, south, east, north = map(float, params.period)
-        return Box((west, east), (south, north), skin, margin)
-    x, y = (
-        (float(elements[axis].min()) - margin, float(elements[axis].max()) + margin)
-        for axis in ("x", "y")
+    low, high = (
+        np.array([pick(elements["x"]), pick(elements["y"])]) + sign * margin
+        for pick, sign in ((np.min, -1.0), (np.max, 1.0))
     )
+    if params.period is not None:
+        repeats = np.isfinite(sides(params.period))
+        low = np.where(repeats, params.period[:2], low)
+        high = np.where(repeats, params.period[2:], high)
+    x, y = zip(low.tolist(), high.tolist(), strict=True)
     return Box(x, y, skin, margin)
 
 
@@ -91,7 +94,10 @@ def setup_commands(
     box = box_of(elements, params, reach)
     plane: tuple[str, ...] = PLANE
     if params.period is not None:
-        plane = tuple("boundary p p p" if line.startswith("boundary") else line for line in PLANE)
+        ends = " ".join("p" if math.isfinite(side) else "m" for side in sides(params.period))
+        plane = tuple(
+            f"boundary {ends} p" if line.startswith("boundary") else line for line in PLANE
+        )
     return [
         *plane,
         division,
@@ -135,7 +141,7 @@ def contact_reach(elements: Arrays, contacts: Arrays, params: EngineParams) -> f
         return 1.0
     lo, hi = (np.searchsorted(elements["id"], contacts[name]) for name in ("id_lo", "id_hi"))
     radii = elements["radius"][lo] + elements["radius"][hi]
-    distance = np.hypot(*(elements[axis][hi] - elements[axis][lo] for axis in ("x", "y")))
+    distance = distances_of(elements, lo, hi, params.period)
     touching = radii - np.minimum(contacts["rest_overlap"], 0.0)
     return float(np.max(np.maximum(touching, distance) / radii)) * 1.002
 

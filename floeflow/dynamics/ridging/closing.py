@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from floeflow.core.period import period_of, shortest
 from floeflow.state.bonds import Arrays, element_rows
 from floeflow.state.elements import pair_arrays
 from floeflow.state.schema import COAST
@@ -82,7 +83,8 @@ def _sides(
     contacts = pair_arrays(state, "contact")
     grown = _growth(contacts, held.get("contact"), ("id_lo", "id_hi"))
     lo, hi = (element_rows(before["id"], contacts[f"id_{end}"]) for end in ("lo", "hi"))
-    way = np.column_stack([before[a][hi] - before[a][lo] for a in ("x", "y")])
+    x, y = (before[a][hi] - before[a][lo] for a in ("x", "y"))
+    way = np.column_stack(shortest((x, y), period_of(state.attrs)))
     way /= np.maximum(np.hypot(*way.T), 1e-300)[:, None]
     h, fixed = before["thickness"], before["type"] == COAST
     share = h[hi] / (h[lo] + h[hi])

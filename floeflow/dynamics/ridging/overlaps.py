@@ -9,9 +9,9 @@ which the law takes back as the discs part. What presses them closer is met as b
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from floeflow.core.errors import FloeError
+from floeflow.core.period import Period, apart, in_tree, tree_of
 from floeflow.dynamics.engine.params import FIXED
 from floeflow.state.bonds import Arrays, element_rows
 
@@ -19,7 +19,9 @@ from floeflow.state.bonds import Arrays, element_rows
 COINCIDENT = 1e-6
 
 
-def overlapping_pairs(elements: Arrays) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def overlapping_pairs(
+    elements: Arrays, period: Period | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows and overlaps (m) of all discs that overlap, sorted; lower row first.
 
     Raises
@@ -29,9 +31,9 @@ def overlapping_pairs(elements: Arrays) -> tuple[np.ndarray, np.ndarray, np.ndar
     """
     points = np.column_stack([elements["x"], elements["y"]])
     radius = np.asarray(elements["radius"])
-    found = _close_pairs(points, radius)
+    found = _close_pairs(points, radius, period)
     lo, hi = found[np.lexsort((found[:, 1], found[:, 0]))].T
-    distance = np.hypot(*(points[hi] - points[lo]).T)
+    distance = apart(points, lo, hi, period)
     same = distance < COINCIDENT * np.minimum(radius[lo], radius[hi])
     if same.any():
         k = int(np.flatnonzero(same)[0])
@@ -44,19 +46,19 @@ def overlapping_pairs(elements: Arrays) -> tuple[np.ndarray, np.ndarray, np.ndar
     return lo[keep], hi[keep], overlap[keep]
 
 
-def _close_pairs(points: np.ndarray, radius: np.ndarray) -> np.ndarray:
+def _close_pairs(points: np.ndarray, radius: np.ndarray, period: Period | None) -> np.ndarray:
     """Pairs that may overlap, (n, 2); classes of radius keep a few giants from meeting everybody.
 
     A pair is looked for in the class of its larger disc, around the larger one.
     """
     found = [np.zeros((0, 2), np.int64)]
     octave = np.floor(np.log2(radius)).astype(int)
-    tree_of = {}
+    points = in_tree(points, period)
     for size in np.unique(octave):
         rows = np.flatnonzero(octave <= size)
         large = np.flatnonzero(octave == size)
-        tree_of[size] = cKDTree(points[rows])
-        near = tree_of[size].query_ball_point(points[large], radius[large] + 2.0 ** (size + 1))
+        tree = tree_of(points[rows], period)
+        near = tree.query_ball_point(points[large], radius[large] + 2.0 ** (size + 1))
         count = [len(item) for item in near]
         first = np.repeat(large, count)
         second = rows[np.concatenate([np.asarray(item, np.int64) for item in near])]
@@ -67,7 +69,9 @@ def _close_pairs(points: np.ndarray, radius: np.ndarray) -> np.ndarray:
     return np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1)
 
 
-def rest_overlaps(elements: Arrays, bonds: Arrays | None, contacts: Arrays) -> Arrays:
+def rest_overlaps(
+    elements: Arrays, bonds: Arrays | None, contacts: Arrays, period: Period | None = None
+) -> Arrays:
     """Contact table with a rest overlap for each pair that overlaps and is not yet in it.
 
     Parameters
@@ -78,6 +82,8 @@ def rest_overlaps(elements: Arrays, bonds: Arrays | None, contacts: Arrays) -> A
         Bond table: bonded pairs do not also collide.
     contacts : dict of ndarray, shape (c,)
         Contacts with their history.
+    period : tuple of float, optional
+        Bounds (m) of a rectangle that repeats itself.
 
     Returns
     -------
@@ -89,7 +95,7 @@ def rest_overlaps(elements: Arrays, bonds: Arrays | None, contacts: Arrays) -> A
     FloeError
         Where two elements stand at the same place.
     """
-    lo, hi, overlap = overlapping_pairs(elements)
+    lo, hi, overlap = overlapping_pairs(elements, period)
     fixed = np.asarray(elements["type"]) == FIXED
     known = [_keys(elements, contacts)] + ([] if bonds is None else [_keys(elements, bonds)])
     n = len(elements["id"])

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from scipy.spatial import cKDTree
 
+from floeflow.core.period import apart, distances_of, period_of, tree_of, wrapped
 from floeflow.dynamics.ridging.closing import centre_shifts
 from floeflow.dynamics.ridging.walls import shift_wall_contacts
 from floeflow.state.bonds import Arrays, element_rows
@@ -72,8 +72,9 @@ def close_areas(
     closed = state.copy()
     closed["area"] = ("element", left)
     closed["radius"] = ("element", state["radius"].values * np.sqrt(share))
-    for axis, moved in zip("xy", shift.T, strict=True):
-        closed[axis] = ("element", state[axis].values + moved)
+    moved = np.column_stack([state["x"].values, state["y"].values]) + shift
+    for axis, values in zip("xy", wrapped(moved, period_of(state.attrs)).T, strict=True):
+        closed[axis] = ("element", values.copy())
     for name in _VOLUMES:
         if name in state:
             closed[name] = (state[name].dims, state[name].values / share[:, None])
@@ -122,13 +123,14 @@ def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Data
     state = _with_neighbours(state, before, after)
     ids = before["id"]
     lo, hi = (element_rows(ids, state[f"contact_id_{end}"].values) for end in ("lo", "hi"))
-    distance = np.hypot(before["x"][hi] - before["x"][lo], before["y"][hi] - before["y"][lo])
+    period = period_of(state.attrs)
+    distance = distances_of(before, lo, hi, period)
     reach, shrunk = (r[lo] + r[hi] for r in (before["radius"], after["radius"]))
     elastic = reach - distance - state["contact_rest_overlap"].values
     # Thicker ice is stiffer: less overlap holds the same force. A gap stays as wide as it is.
     softer = contact_share(before, lo, hi) / contact_share(after, lo, hi)
     elastic = np.where(elastic > 0, elastic * softer, elastic)
-    distance = np.hypot(after["x"][hi] - after["x"][lo], after["y"][hi] - after["y"][lo])
+    distance = distances_of(after, lo, hi, period)
     rest = shrunk - distance - elastic
     # Where an element is nearly used up, its ridges are no thinner than half of its ice.
     thin = 0.5 * np.minimum(after["thickness"][lo], after["thickness"][hi])
@@ -153,10 +155,11 @@ def _with_neighbours(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Dat
     smaller |= after["y"] != before["y"]
     places = np.column_stack([before["x"], before["y"]])
     widest = 2 * (1 + NEAR) * float(radius.max(initial=0.0))
-    pairs = cKDTree(places).query_pairs(widest, output_type="ndarray").reshape(-1, 2)
+    period = period_of(state.attrs)
+    pairs = tree_of(places, period).query_pairs(widest, output_type="ndarray").reshape(-1, 2)
     lo, hi = np.sort(pairs, axis=1).T
     reach = radius[lo] + radius[hi]
-    gap = np.hypot(*(places[hi] - places[lo]).T) - reach
+    gap = apart(places, lo, hi, period) - reach
     near = (gap >= 0) & (gap < NEAR * reach) & (smaller[lo] | smaller[hi])
     near &= ~(fixed[lo] & fixed[hi])
     for kind in ("bond", "contact"):

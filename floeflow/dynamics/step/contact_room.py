@@ -22,8 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
+from floeflow.core.period import apart, in_tree, tree_of
 from floeflow.dynamics.engine.params import FIXED, EngineParams
 from floeflow.state.bonds import Arrays
 
@@ -152,17 +152,19 @@ def _rooms_near(elements: Arrays, params: EngineParams, way: float) -> Array:
     radius, thickness, inverse = radius[order], thickness[order], inverse[order]
     places = np.column_stack([elements["x"], elements["y"]])[order]
     # Sorted rows: neighbours of ascending radius, as `_rooms` needs them.
-    near = cKDTree(places).query_ball_point(places, radius + radius.max() + way, return_sorted=True)
+    reach, period = radius + radius.max() + way, params.period
+    tree, centres = tree_of(places, period), in_tree(places, period)
+    near = tree.query_ball_point(centres, reach, return_sorted=True)
     count = np.array([len(item) for item in near])
     first = np.repeat(np.arange(len(radius)), count)
     second = np.concatenate([np.asarray(item, np.int64) for item in near])
-    apart = np.hypot(*(places[second] - places[first]).T)
-    keep = (first != second) & (apart - radius[first] - radius[second] <= way)
+    distance = apart(places, first, second, period)
+    keep = (first != second) & (distance - radius[first] - radius[second] <= way)
     if not params.fixed_contacts:
         keep &= inverse[second] > 0.0
     first, second = first[keep], second[keep]
     start = np.searchsorted(first, np.arange(len(radius) + 1))
-    touching = (apart[keep] < radius[first] + radius[second]).astype(np.bool_)
+    touching = (distance[keep] < radius[first] + radius[second]).astype(np.bool_)
     listed = _Neighbours(np.arange(len(radius)), start, second, touching, single=True)
     sums = np.empty((len(radius), 6))
     sums[order] = _rooms(_Discs(radius, radius, thickness, inverse), listed, params)

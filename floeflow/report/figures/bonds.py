@@ -42,7 +42,7 @@ def glue_lines(bonds: xr.Dataset, state: xr.Dataset) -> np.ndarray:
 
 def follows_start(last: xr.Dataset) -> bool:
     """Whether bonds of the start can be found in a last state: a remap makes all elements anew."""
-    return "drift_x" not in last
+    return "remap" not in str(last.attrs["effects"]).split()
 
 
 def bond_map(

@@ -83,6 +83,10 @@ def test_what_is_no_region_is_refused(tmp_path: Path) -> None:
         make_mask(scene_of(region="weddell_sea"), None)
     with pytest.raises(FloeError, match="no.json: cannot be read"):
         make_mask(scene_of(shoreline=str(tmp_path / "no.json")), None)
+    bow = [[-150, 75], [-130, 80], [-130, 75], [-150, 80], [-150, 75]]
+    (tmp_path / "bow.json").write_text(json.dumps({"type": "Polygon", "coordinates": [bow]}))
+    with pytest.raises(FloeError, match=r"bow.json: feature 1: its ring crosses itself"):
+        make_mask(scene_of(region=str(tmp_path / "bow.json")), None)
     with pytest.raises(FloeError, match="mask.uniform is ice without a file"):
         scene_of(land="mask")
 

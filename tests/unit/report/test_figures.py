@@ -247,7 +247,8 @@ def test_after_a_remap_no_bond_is_called_broken(run: Run, frame: Frame):
     state = first_state(packing, run.scene)
     shapes = maps.element_shapes(state, packing)
     told = []
-    for last in (state, state.assign(drift_x=("element", np.zeros(state.sizes["element"])))):
+    remapped = state.assign_attrs(effects=f"{state.attrs['effects']} remap")
+    for last in (state, remapped):
         figure = bonds.bond_map(frame, state, last, shapes, "Bonds")
         told.append([text.get_text().partition(":")[0] for text in figure.legends[0].get_texts()])
     assert told == [["whole", "partly cracked", "broken"], ["whole", "partly cracked"]]
