@@ -41,7 +41,7 @@ pin() { # lock, options and lists for uv
 }
 
 pin setup/requirements.lock setup/requirements.in setup/requirements-workflow.in \
-    setup/requirements-formats.in setup/requirements-dev.in
+    setup/requirements-formats.in setup/requirements-movies.in setup/requirements-dev.in
 # All that the cluster's plugins need is in the first lock.
 pin setup/requirements-cluster.lock --no-deps --constraints setup/requirements.lock \
     setup/requirements-cluster.in

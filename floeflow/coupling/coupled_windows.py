@@ -28,6 +28,7 @@ from floeflow.core.errors import FloeError
 from floeflow.core.lock import join_run
 from floeflow.core.records import WINDOW_CPU, Record, write_records
 from floeflow.coupling import resume
+from floeflow.coupling.ages import grow_older
 from floeflow.coupling.columns import advance_columns, settle_open_ice, totals
 from floeflow.coupling.crowding import close_crowded
 from floeflow.coupling.fluxes import window_fluxes
@@ -132,6 +133,9 @@ def advance_window(
     after = grow(comm, scene, state, forcing, (middle, end), area, end, places)
     state = after.state
     budget |= add_terms(before.terms, after.terms)
+    if "ice_age" in scene.effects:
+        new = (part.each.get("growth_new_ice", 0.0) for part in (before, after))
+        state = grow_older(state, sum(new), scene.time.window)
     began, used = time.perf_counter(), time.process_time()
     if "refreeze" in scene.effects:
         state, formed = freeze_window(scene, state, touched, forcing, (start, end))

@@ -109,6 +109,24 @@ DESCRIPTIONS = {
     "damage": Described(
         "", "1", "share of the elements' outline, taken as of hexagons, that no bond holds", OF_ICE
     ),
+    "siage": Described(
+        "age_of_sea_ice",
+        "s",
+        "time since the ice froze on open water, at most since the start of the run",
+        OF_ICE,
+    ),
+    "sistresave": Described(
+        "sea_ice_average_normal_horizontal_stress",
+        "N m-1",
+        "half the trace of the stress in the ice, above 0 in tension",
+        OF_ICE,
+    ),
+    "sistremax": Described(
+        "maximum_over_coordinate_rotation_of_sea_ice_horizontal_shear_stress",
+        "N m-1",
+        "largest shear stress in the ice",
+        OF_ICE,
+    ),
     "siu": Described(
         "sea_ice_x_velocity", "m s-1", "velocity of the ice along x, averaged over its mass", OF_ICE
     ),
@@ -146,6 +164,7 @@ DESCRIPTIONS |= {
             "sea_ice_{}_force_per_unit_area_due_to_sea_surface_tilt",
             "force of the sea surface's tilt",
         ),
+        ("siforceintstr{}", "sea_ice_{}_internal_stress", "force of contacts, bonds and walls"),
     )
 }
 

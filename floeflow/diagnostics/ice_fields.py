@@ -2,7 +2,8 @@
 """What the elements carry beside area and volume, as amounts on the grid, and what follows of them.
 
 Only what a state holds comes out: no surface temperature without thermodynamics, no ridges without
-an area of level ice, no thickness distribution of a single category.
+an area of level ice, no thickness distribution of a single category, no age and no stress without
+their effects.
 """
 
 from __future__ import annotations
@@ -22,6 +23,13 @@ Array = NDArray[np.float64]
 
 # Outline of a regular hexagon over the root of its area.
 HEXAGON = float(np.sqrt(8.0 * np.sqrt(3.0)))
+
+# Names on the grid of what the effect internal_stress keeps of the elements.
+FORCES = ("siforceintstrx", "siforceintstry")
+INTERNAL = (
+    *zip(FORCES, ("internal_force_x", "internal_force_y"), strict=True),
+    *((name, name) for name in ("stress_xx", "stress_yy", "stress_xy")),
+)
 
 
 def ice_amounts(mobile: xr.Dataset) -> tuple[list[Field], dict[str, Array]]:
@@ -57,15 +65,29 @@ def ice_amounts(mobile: xr.Dataset) -> tuple[list[Field], dict[str, Array]]:
         amounts["outline"] = HEXAGON * np.sqrt(area[:, 0]) * (share.sum(axis=1) > 0)
         amounts["bonded"] = mobile[BONDED].values * (share.sum(axis=1) > 0)
     fields = [Field(name, "extensive", "ice_area") for name in amounts]
-    if "surface_temperature" in mobile:
-        warmth = (share * mobile["surface_temperature"].values).sum(axis=1)
-        total = share.sum(axis=1)
-        # Elements without ice have no weight; a number there must only be finite.
-        some = float(warmth.sum() / total.sum()) if total.any() else 0.0
-        mean = np.divide(warmth, total, out=np.full_like(total, some), where=total > 0)
-        amounts["sitemptop"] = mean
-        fields.append(Field("sitemptop", "intensive", "ice_area"))
+    means = _means_over_ice(mobile)
+    fields += [Field(name, "intensive", "ice_area") for name in means]
+    amounts |= means
     return fields, {name: np.asarray(values) for name, values in amounts.items()}
+
+
+def _means_over_ice(mobile: xr.Dataset) -> dict[str, Array]:
+    """Properties that are averaged over the ice's area, of each element."""
+    share = mobile["ice_fraction"].values
+    total = share.sum(axis=1)
+    sums: dict[str, Array] = {}
+    if "surface_temperature" in mobile:
+        sums["sitemptop"] = (share * mobile["surface_temperature"].values).sum(axis=1)
+    if "ice_age" in mobile:
+        sums["siage"] = total * mobile["ice_age"].values
+    # Of the whole effective area, borne by the ice in it.
+    sums |= {name: mobile[variable].values for name, variable in INTERNAL if variable in mobile}
+    means = {}
+    for name, values in sums.items():
+        # Elements without ice have no weight; a number there must only be finite.
+        some = float(values[total > 0].sum() / total.sum()) if total.any() else 0.0
+        means[name] = np.divide(values, total, out=np.full_like(total, some), where=total > 0)
+    return means
 
 
 def follow(
@@ -113,8 +135,16 @@ def follow(
         fields["damage"] = np.clip(1.0 - held, 0.0, 1.0)
     if "pond_area" in found:
         fields["simpconc"] = np.clip(found["pond_area"] / per_ice, 0.0, 1.0)
-    if "sitemptop" in found:
-        fields["sitemptop"] = np.where(np.isfinite(per_ice), found["sitemptop"], np.nan)
+    for name in ("sitemptop", "siage", *FORCES):
+        if name in found:
+            fields[name] = np.where(np.isfinite(per_ice), found[name], np.nan)
+    if "stress_xx" in found:
+        xx, yy, xy = (
+            np.where(np.isfinite(per_ice), found[f"stress_{pair}"], np.nan)
+            for pair in ("xx", "yy", "xy")
+        )
+        fields["sistresave"] = 0.5 * (xx + yy)
+        fields["sistremax"] = np.hypot(0.5 * (xx - yy), xy)
 
 
 def strain_rates(u: Array, v: Array, spacing: tuple[float, float]) -> tuple[Array, Array]:

@@ -244,6 +244,7 @@ def move(
         left = engine.bonds() if bonds is not None else None
         moved = engine.elements()
         walls = engine.wall_contacts() if faces is not None else held
+        inside = engine.internal_forces() if "internal_stress" in scene.effects else {}
         after = moved_state(state, moved, left, engine.contacts(), walls)
         gone = None if params.period is None else (drift[0], drift[1])
         motion.state = carry_drift(state, after, gone)
@@ -262,6 +263,8 @@ def move(
         leads = "redistribution" not in scene.effects
         motion.state = close_areas(motion.state, ridged, least, tables, end, leads)
         motion.budget["ridged_area"] = float(ridged.sum())
+    if inside:
+        motion.state = with_stress(motion.state, inside)
     return motion
 
 
@@ -282,6 +285,31 @@ def steps_between(last: Arrays, now: Arrays, seconds: float, period: Period) -> 
             )
     moved = now["x"] - last["x"], now["y"] - last["y"]
     return np.stack(shortest(moved, period))
+
+
+def with_stress(state: xr.Dataset, inside: Arrays) -> xr.Dataset:
+    """State with the stress in its elements and the force that it makes.
+
+    The stress in an element is the sum of arms times forces over its effective area, as for a body
+    in balance (Love 1927).
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        After the motion.
+    inside : dict of ndarray
+        From `Engine.internal_forces`, (n,).
+    """
+    area = state["area"].values
+    found = {f"internal_force_{axis}": inside[f"force_{axis}"] for axis in "xy"}
+    found |= {f"stress_{pair}": inside[f"moment_{pair}"] for pair in ("xx", "yy", "xy")}
+    # The coast's elements stand for no area.
+    return state.assign(
+        {
+            name: ("element", np.divide(amount, area, out=np.zeros_like(area), where=area > 0.0))
+            for name, amount in found.items()
+        }
+    )
 
 
 def _sample(

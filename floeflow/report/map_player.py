@@ -21,13 +21,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from floeflow.report.box_drift import box_drift
 from floeflow.report.figures.frame import Frame, graticule_lines
 from floeflow.report.figures.style import Quantity, common_limits, nice_step
 
 SECONDS_PER_DAY = 86400.0
 # Values of a byte: 0 says that there is no ice.
 LEVELS = 255
-ARROWS = 16
 # More frames than this add nothing that an eye can follow, and cost a reader's memory.
 MOST_FRAMES = 1500
 
@@ -207,11 +207,16 @@ def make_layers(grid: xr.Dataset) -> Iterator[Layer]:
         values = field_frames(grid, name)
         if values is None:
             continue
-        low, high = common_limits(field.quantity, values)
-        high = round_up(high) if field.quantity.high is None else high
+        low, high = scale_ends(field.quantity, values)
         frames = encode_frames(values[:, ::-1], low, high)
         beyond = bool(np.nanmax(values, initial=high) > high)
         yield Layer(name, low, high, beyond, packed(frames), palette_of(field.quantity))
+
+
+def scale_ends(quantity: Quantity, values: Array) -> tuple[float, float]:
+    """Ends of the colour scale of a field at all times, the high one a number that reads well."""
+    low, high = common_limits(quantity, values)
+    return low, round_up(high) if quantity.high is None else high
 
 
 def round_up(value: float) -> float:
@@ -230,29 +235,17 @@ def drift_arrows(grid: xr.Dataset) -> dict[str, Any] | None:
         all times, each (time, row, column) from the top down, 127 being ``top`` (cm/s). None
         without drift.
     """
-    if "siu" not in grid or "siv" not in grid:
+    boxes = box_drift(grid)
+    if boxes is None:
         return None
-    times, ny, nx = grid["siu"].shape
-    size = max(1, int(np.ceil(max(ny, nx) / ARROWS)))
-    rows, columns = -(-ny // size), -(-nx // size)
-    boxes = []
-    weight = np.nan_to_num(np.asarray(grid["siconc"].values, dtype=float))
-    for name in ("siu", "siv"):
-        values = np.nan_to_num(np.asarray(grid[name].values, dtype=float)) * weight
-        sums = (np.zeros((times, rows * size, columns * size)) for _ in range(2))
-        parts = []
-        for whole, source in zip(sums, (values, weight), strict=True):
-            whole[:, -ny:, :nx] = source[:, ::-1]
-            parts.append(whole.reshape(times, rows, size, columns, size).sum(axis=(2, 4)))
-        boxes.append(np.divide(parts[0], parts[1], out=np.zeros_like(parts[0]), where=parts[1] > 0))
-    speed = np.hypot(*boxes)
-    top = float(np.quantile(speed[speed > 0], 0.98)) if speed.any() else 1.0
-    data = np.stack([np.clip(np.rint(127 * box / top), -127, 127) for box in boxes])
+    top = boxes.top
+    data = np.stack([np.clip(np.rint(127 * box / top), -127, 127) for box in (boxes.u, boxes.v)])
+    _, rows, columns = boxes.u.shape
     return {
         "rows": rows,
         "columns": columns,
-        "cells": size,
-        "above": rows * size - ny,
+        "cells": boxes.cells,
+        "above": boxes.above,
         "top": 100.0 * top,
         "data": packed(data.astype(np.int8)),
     }

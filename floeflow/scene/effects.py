@@ -339,6 +339,18 @@ _REGISTERED = (
         rules=("trajectory_files",),
     ),
     Effect(
+        name="internal_stress",
+        physics="Stress in the ice and its force, from contacts, bonds and walls: for fields.",
+        source="Love 1927; Bagi 1996",
+        state=("internal_force_x", "internal_force_y", "stress_xx", "stress_yy", "stress_xy"),
+    ),
+    Effect(
+        name="ice_age",
+        physics="Age of the ice since it froze on open water, or since the start: for fields.",
+        source="Hunke et al. 2015",
+        state=("ice_age",),
+    ),
+    Effect(
         name="remap",
         physics="Distorted elements are replaced by fresh ones that hold the same, conservatively.",
         source="Turner et al. 2022, GMD 15, 1953; Zalesak 1979; Levine & Peres 2009",

@@ -167,6 +167,16 @@ VARIABLES: dict[str, Variable] = {
     "cell_corners": Variable(("element",), "int64", "1", "corners of the element's outline", 0),
     "drift_x": _element("m", "net displacement of the ice since the start", of="area"),
     "drift_y": _element("m", "net displacement of the ice since the start", of="area"),
+    "internal_force_x": _element(
+        "N m-2", "force of neighbours and walls along x per effective area", of="area"
+    ),
+    "internal_force_y": _element(
+        "N m-2", "force of neighbours and walls along y per effective area", of="area"
+    ),
+    "stress_xx": _element("N m-1", "stress in the plane, above 0 in tension", of="area"),
+    "stress_yy": _element("N m-1", "stress in the plane, above 0 in tension", of="area"),
+    "stress_xy": _element("N m-1", "shear stress in the plane", of="area"),
+    "ice_age": _element("s", "age of the ice, mean over its mass", 0, of=MASS),
     "corner_x": _corner("corner of an outline, element after element, in its body frame"),
     "corner_y": _corner("corner of an outline, element after element, in its body frame"),
     "bond_id_lo": Variable(("bond",), "int64", "1", "lower id of the bonded pair", 1),

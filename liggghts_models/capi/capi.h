@@ -14,10 +14,10 @@ extern "C" {
 const char *floe_error(void);
 // Version of this interface, raised whenever a function or an array changes its meaning; Python
 // compares it and the columns when it loads the plugin (local).
-#define FLOE_INTERFACE 4
+#define FLOE_INTERFACE 5
 int floe_interface(void);
 // Columns of the arrays below, separated by blanks, in parts that semicolons separate: elements, bonds,
-// contacts, and the numbers and columns of faces (local).
+// contacts, the numbers and columns of faces, and of internal forces (local).
 const char *floe_layout(void);
 int floe_open(int argc, char **argv, void *comm, void **instance);  // comm: pointer to an MPI_Comm
 int floe_close(void *instance);
@@ -42,6 +42,10 @@ int floe_put_pairs(void *instance, long long bonds, const long long *bond_ids, c
 int floe_count_pairs(void *instance, long long *bonds, long long *contacts);  // local
 int floe_get_pairs(void *instance, long long *bond_ids, double *bond, long long *contact_ids,
                    double *contact);  // local
+
+// What pairs and walls do to each element now, one row each in the order of floe_get_elements: force (N),
+// and the sum of arms times forces (N m), xx yy xy, above 0 in tension. Damping is in it.
+int floe_internal(void *instance, double *columns);  // local
 
 // Walls (after the command "fix ID all floe/walls"). Faces: ends in m at time 0, velocities in m/s; see
 // laws/wall.h. Contacts: ids element face, columns as of contacts between elements. Impulses (N s) and

@@ -13,6 +13,8 @@
   COLUMN(ridged_area)                                                                          \
   COLUMN(wind_impulse_x) COLUMN(wind_impulse_y) COLUMN(ocean_impulse_x) COLUMN(ocean_impulse_y)
 // clang-format on
+#define FLOE_INTERNAL_COLUMNS(COLUMN) \
+  COLUMN(force_x) COLUMN(force_y) COLUMN(moment_xx) COLUMN(moment_yy) COLUMN(moment_xy)
 #define FLOE_FACE_NUMBERS(COLUMN) COLUMN(wall) COLUMN(plane) COLUMN(before) COLUMN(after)
 #define FLOE_FACE_COLUMNS(COLUMN) COLUMN(ax) COLUMN(ay) COLUMN(bx) COLUMN(by) COLUMN(u) COLUMN(v)
 

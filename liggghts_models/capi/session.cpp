@@ -52,7 +52,8 @@ const char *floe_layout(void) {
   const int failed = floe::guarded([] {
     layout = FLOE_ELEMENT_COLUMNS(FLOE_COLUMN_NAME) ";" + names_of(floe::bond_columns) + ";" +
              names_of(floe::contact_columns) +
-             ";" FLOE_FACE_NUMBERS(FLOE_COLUMN_NAME) ";" FLOE_FACE_COLUMNS(FLOE_COLUMN_NAME);
+             ";" FLOE_FACE_NUMBERS(FLOE_COLUMN_NAME) ";" FLOE_FACE_COLUMNS(
+                 FLOE_COLUMN_NAME) ";" FLOE_INTERNAL_COLUMNS(FLOE_COLUMN_NAME);
   });
   return failed ? "" : layout.c_str();
 }

@@ -278,6 +278,14 @@ FixFloeWalls::Sums FixFloeWalls::sums(double &max_overlap) {
   return out;
 }
 
+void FixFloeWalls::each_force(const std::function<void(int, Vec2, Vec2)> &visit) const {
+  for (const Near &near : near_) {
+    each_contact(near, [&](int, const floe::ContactPose &pose, floe::WallHistory h) {
+      visit(near.i, pose.d, law_.force(near.i, atom->rmass[near.i], pose, 0.0, h).f);
+    });
+  }
+}
+
 double FixFloeWalls::memory_usage() {
   return static_cast<double>(near_.size() * sizeof(Near) + candidates_.size() * sizeof(int));
 }

@@ -10,6 +10,7 @@
 #ifndef LMP_FIX_FLOE_WALLS_H
 #define LMP_FIX_FLOE_WALLS_H
 
+#include <functional>
 #include <unordered_map>
 #include <vector>
 
@@ -52,6 +53,8 @@ class FixFloeWalls : public Fix {
   void each(Visit visit) const;  // (tag, contact)
 
   Sums sums(double &max_overlap);
+  // Calls visit(element, arm from its centre to the wall, force on it) for each contact as it is now.
+  void each_force(const std::function<void(int, floe::Vec2, floe::Vec2)> &visit) const;
   // On the ice, x and y of each wall: N s since the start, N now.
   const std::vector<double> &impulses() const { return impulse_; }
   const std::vector<double> &forces() const { return force_; }

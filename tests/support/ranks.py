@@ -77,6 +77,7 @@ def write_part(path: Path, engine: Engine) -> list[Arrays]:
         for kind, table in zip(KINDS, tables, strict=True)
         for name, values in table.items()
     }
+    named |= {f"internal.{name}": values for name, values in engine.internal_forces().items()}
     if engine.comm.rank == 0:
         np.savez(path, **named, **sums)
     return tables

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""On request only, no part of the report: files for OVITO, MDAnalysis and ParaView.
+"""On request only, no part of the report: files for OVITO, MDAnalysis and ParaView, and movies.
 
-.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh coast zarr
+.venv/bin/snakemake --profile workflows/profiles/local --config scene=PATH -- trajectory mesh coast zarr movies
 """
 
 
@@ -115,3 +115,31 @@ rule coast_files:
         "Coast: land as a wall mesh, simplified to the size of the elements"
     script:
         "../../postprocess/coast_files.py"
+
+
+rule movies:
+    input:
+        f"{RESULTS}/movies",
+
+
+rule movie_files:
+    input:
+        scene=ancient(scene_file),
+        grid="results/{scene}/grid.nc",
+        mask=made("mask", "preprocess/mask.nc"),
+    output:
+        movies=directory("results/{scene}/movies"),
+    log:
+        "results/{scene}/log/movies.log",
+    benchmark:
+        "results/{scene}/benchmarks/movies.tsv"
+    resources:
+        mem_mb=memory_asked("report"),
+        runtime=minutes_asked("report"),
+    params:
+        scene_keys=keys_of("report"),
+        library=library_digest("report"),
+    message:
+        "Movies: thickness, drift, damage and deformation, a picture a window"
+    script:
+        "../../postprocess/movie_files.py"

@@ -23,7 +23,7 @@ from floeflow.scene.effects import EFFECTS, check_effects, compatible
 
 # Relative influence above which an effect is needed, and below which it is waste.
 NEEDED, WASTE = 0.05, 0.01
-OUTPUT = ("grid_output", "trajectory_output")
+OUTPUT = ("grid_output", "trajectory_output", "internal_stress", "ice_age")
 # Effects that make another scene of it: only who wants that scene can name them.
 SETTING = ("walls",)
 

@@ -256,3 +256,15 @@ def grid_output(c: Conditions) -> float:
 def trajectory_output(c: Conditions) -> float:
     """None: it changes no result; name it where paths are wanted."""
     return math.nan
+
+
+@number_of("internal_stress")
+def internal_stress(c: Conditions) -> float:
+    """None: it changes no result; name it where stresses in the ice are wanted."""
+    return math.nan
+
+
+@number_of("ice_age")
+def ice_age(c: Conditions) -> float:
+    """None: it changes no result; name it where the age of the ice is wanted."""
+    return math.nan

@@ -33,6 +33,7 @@ from floeflow.dynamics.engine.tables import (
     create_elements,
     first_fault,
     get_elements,
+    get_internal,
     get_pairs,
     get_sums,
     missing_pairs,
@@ -262,6 +263,24 @@ class Engine:
         """Impulse (N s) on the ice since `load`, force on it now (N); each of shape (walls, 2)."""
         walls = 0 if self.walls is None else count_walls(self.walls)
         return wall_forces(self._library, self._instance, self.comm, walls)
+
+    def internal_forces(self) -> Arrays:
+        """What neighbours and walls do to each element now, in the order of `elements`.
+
+        Returns
+        -------
+        dict of ndarray, shape (n,)
+            force_x, force_y (N); moment_xx, moment_yy, moment_xy (N m), the sums of arms from the
+            centre times forces there, above 0 in tension.
+
+        Raises
+        ------
+        EngineError
+            Where nothing is loaded.
+        """
+        failed, found = get_internal(self._library, self._instance, self.comm)
+        self._check(failed)
+        return found
 
     def _pairs(self) -> tuple[Arrays, Arrays]:
         return get_pairs(self._library, self._instance, self.comm, self.params.contact_columns)

@@ -18,6 +18,7 @@ from numpy.ctypeslib import ndpointer
 from floeflow.core.errors import FloeError
 from floeflow.core.plugin import plugin_path
 from floeflow.dynamics.engine.tables import COLUMNS as ELEMENT_COLUMNS
+from floeflow.dynamics.engine.tables import INTERNAL
 from floeflow.state.bonds import BOND_COLUMNS, CONTACT_COLUMNS, RIDGE_COLUMNS
 from floeflow.state.walls import FACE_COLUMNS, FACE_NUMBERS
 
@@ -30,7 +31,7 @@ _COUNTED = ctypes.POINTER(ctypes.c_longlong)
 # count, which is below 0 then.
 _DONE, _NUMBER = object(), object()
 # Version of the plugin's C interface (FLOE_INTERFACE in liggghts_models/capi/capi.h).
-INTERFACE = 4
+INTERFACE = 5
 # Columns of the arrays that go in and out, as the plugin must have them (`floe_layout`).
 LAYOUT = {
     "elements": ELEMENT_COLUMNS,
@@ -38,6 +39,7 @@ LAYOUT = {
     "contacts": (*CONTACT_COLUMNS, *RIDGE_COLUMNS),
     "numbers of faces": FACE_NUMBERS,
     "faces": FACE_COLUMNS,
+    "internal forces": INTERNAL,
 }
 _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     "floe_error": (ctypes.c_char_p, []),
@@ -71,6 +73,7 @@ _FUNCTIONS: dict[str, tuple[object, list[object]]] = {
     ),
     "floe_count_pairs": (_DONE, [ctypes.c_void_p, _COUNTED, _COUNTED]),
     "floe_get_pairs": (_DONE, [ctypes.c_void_p, _INTEGERS, _NUMBERS, _INTEGERS, _NUMBERS]),
+    "floe_internal": (ctypes.c_int, [ctypes.c_void_p, _NUMBERS]),
     "floe_set_walls": (
         ctypes.c_int,
         [ctypes.c_void_p, _COUNT, _COUNT, _INTEGERS, _NUMBERS],

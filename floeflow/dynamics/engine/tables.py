@@ -25,6 +25,8 @@ COLUMNS = (
     "ridged_area",
     *IMPULSES,
 )
+# What neighbours and walls do to an element now: force, N, and the sum of arms times forces, N m.
+INTERNAL = ("force_x", "force_y", "moment_xx", "moment_yy", "moment_xy")
 _CONTACT = (*CONTACT_COLUMNS, *RIDGE_COLUMNS)
 _NOT_FINITE, _BOND_REACH = 1, 3
 
@@ -75,6 +77,20 @@ def get_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
     for k, name in enumerate(COLUMNS):
         out[name] = columns[:, k].copy()
     return out
+
+
+def get_internal(
+    library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
+) -> tuple[int, Arrays]:
+    """Whether it failed (1), and the columns `INTERNAL` of all elements, sorted by id."""
+    n = int(library.floe_count_elements(instance))
+    ids, kind = np.empty(n, np.int64), np.empty(n, np.int8)
+    elements, columns = np.empty((n, len(COLUMNS))), np.empty((n, len(INTERNAL)))
+    library.floe_get_elements(instance, ids, kind, elements)
+    failed = int(library.floe_internal(instance, columns))
+    ids, columns = gather(comm, ids), gather(comm, columns)
+    columns = columns[np.argsort(ids)]
+    return failed, {name: columns[:, k].copy() for k, name in enumerate(INTERNAL)}
 
 
 def put_pairs(

@@ -24,6 +24,8 @@ from matplotlib.colors import Colormap, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.typing import ColorType
 
+from floeflow.report.figures.ticks import plain_ticks
+
 # cmocean builds its maps with an argument that matplotlib is about to drop, and warns of each.
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", DeprecationWarning)
@@ -127,6 +129,7 @@ def new_figure(width: float, height: float) -> Figure:
 def write_png(figure: Figure, path: Path, dpi: int) -> bytes:
     """Write a figure as PNG, and return its bytes."""
     with look():
+        plain_ticks(figure)
         figure.savefig(path, dpi=dpi, format="png", metadata={"Software": "FloeFlow"})
     return path.read_bytes()
 
@@ -135,6 +138,7 @@ def as_svg(figure: Figure) -> bytes:
     """A figure as SVG without a date."""
     buffer = io.BytesIO()
     with look():
+        plain_ticks(figure)
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     return buffer.getvalue()
 

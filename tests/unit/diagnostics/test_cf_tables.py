@@ -51,6 +51,13 @@ SIMON = {
     "siforcecoriolx": ("sea_ice_x_force_per_unit_area_due_to_coriolis_effect", "N m-2", ICE),
     "siforcecorioly": ("sea_ice_y_force_per_unit_area_due_to_coriolis_effect", "N m-2", ICE),
     "siforcetiltx": ("sea_ice_x_force_per_unit_area_due_to_sea_surface_tilt", "N m-2", ICE),
+    "siforceintstrx": ("sea_ice_x_internal_stress", "N m-2", ICE),
+    "siforceintstry": ("sea_ice_y_internal_stress", "N m-2", ICE),
+    "sistresave": ("sea_ice_average_normal_horizontal_stress", "N m-1", ICE),
+    "sistremax": (
+        "maximum_over_coordinate_rotation_of_sea_ice_horizontal_shear_stress", "N m-1", ICE,
+    ),
+    "siage": ("age_of_sea_ice", "s", ICE),
     "siforcetilty": ("sea_ice_y_force_per_unit_area_due_to_sea_surface_tilt", "N m-2", ICE),
 }  # fmt: skip
 # Wind along x, current along y.
@@ -59,6 +66,11 @@ FORCING = {
     for name, value in (
         ("wind_u", 10.0), ("wind_v", 0.0), ("ocean_u", 0.0), ("ocean_v", 0.2), ("coriolis", 1.4e-4),
     )
+}  # fmt: skip
+# Per area of ice: uniaxial compression along x, and a force along x.
+INSIDE = {
+    "internal_force_x": -0.3, "internal_force_y": 0.0,
+    "stress_xx": -5e3, "stress_yy": 0.0, "stress_xy": 0.0,
 }  # fmt: skip
 # Ours alone: CMIP6 has no name for it.
 OWN = {"lead_fraction", "damage"}
@@ -81,6 +93,8 @@ def rich_state() -> xr.Dataset:
         level_area=(dims, 0.75 * ones),
         level_volume=(dims, 0.5 * ones),
         pond_area=(dims, 0.2 * ones),
+        **{name: ("element", value * share.sum(axis=1)) for name, value in INSIDE.items()},
+        ice_age=("element", np.full(len(share), 86400.0)),
     )
 
 
@@ -162,6 +176,32 @@ def test_ridges_ponds_and_temperature_are_means_over_the_ice(file: Path):
         ):
             np.testing.assert_allclose(data[name].values[ice], expected, rtol=1e-6, err_msg=name)
         np.testing.assert_allclose(data["simass"], 917.0 * data["sivol"])
+
+
+def test_invariants_of_uniaxial_compression_and_shear(file: Path, tmp_path: Path):
+    """Half of an only stress is its mean normal and its largest shear stress."""
+    with xr.open_dataset(file) as data:
+        ice = data["sithick"].notnull().values
+        for name, expected in (
+            ("sistresave", -2.5e3),
+            ("sistremax", 2.5e3),
+            ("siforceintstrx", -0.3),
+            ("siforceintstry", 0.0),
+            ("siage", 86400.0),
+        ):
+            found = data[name].values
+            np.testing.assert_allclose(found[ice], expected, rtol=1e-6, atol=1e-9, err_msg=name)
+            assert np.isnan(found[~ice]).all()
+    state = rich_state()
+    # Pure shear: the axes turned by 45 degrees see tension and compression of 3 and 4 kN/m at right
+    # angles to each other, hypot of both.
+    total = state["ice_fraction"].values.sum(axis=1)
+    state["stress_xx"], state["stress_yy"] = (("element", s * 4e3 * total) for s in (1.0, -1.0))
+    state["stress_xy"] = ("element", 3e3 * total)
+    data = make_grid(scene_of(tmp_path, ALL), state, make_mask())
+    ice = data["sithick"].notnull().values
+    np.testing.assert_allclose(data["sistresave"].values[ice], 0.0, atol=1e-6)
+    np.testing.assert_allclose(data["sistremax"].values[ice], 5e3, rtol=1e-6)
 
 
 def test_fields_of_absent_effects_are_absent(tmp_path: Path):

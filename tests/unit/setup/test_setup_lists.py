@@ -176,6 +176,7 @@ def direct() -> list[str]:
         "requirements.in",
         "requirements-workflow.in",
         "requirements-formats.in",
+        "requirements-movies.in",
         "requirements-dev.in",
         "requirements-cluster.in",
         "requirements-docs.in",
