@@ -128,7 +128,8 @@ def physics(scene: Scene, folder: Path, year: LastYear) -> list[tuple[str, str, 
         ("Fram Strait, area a year (million km2)", f"{area / KM2 / 1e6 * per_year:.2f}",
          "0.6 to 1.0 (Smedsrud et al. 2017)"),
         ("Fram Strait, volume a year (km3)", f"{volume / KM3 * per_year:.0f}",
-         "1,970 to 2,490 (Min et al. 2019)"),
+         "1,970 to 2,490, 2010 to 2016 (Min et al. 2019); 2,370, 1978 to 1996 "
+         "(Kwok and Rothrock 1999); 2,850, 1990 to 1996 (Vinje et al. 1998)"),
         ("drift over a day, central basin, median of months (cm/s)",
          f"{100 * moved.median.min():.1f} to {100 * moved.median.max():.1f}", "4 to 10"),
     ]  # fmt: skip
