@@ -7,11 +7,13 @@ Its bounds are west, south, east and north edge (m); an axis with infinite bound
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -115,6 +117,9 @@ def tree_of(places: Array, period: Period | None) -> cKDTree:
 
     What is sought in it has to be given as `in_tree` gives it.
     """
+    # Here, since every scene reads this module, and the start of a run needs no tree.
+    from scipy.spatial import cKDTree
+
     if period is None:
         return cKDTree(places)
     # 0 stands for an axis that does not repeat.
