@@ -19,7 +19,7 @@ from support.runner import Done, Place
 
 pytestmark = pytest.mark.workflow
 
-SHORT = 9000.0  # s: a little over 1000 steps of 0.26 of the critical one
+SHORT = 6900.0  # s: a little over 1000 steps of 0.26 of the critical one
 
 
 def restarted(smoke: Done, folder: Path, ranks: int, **changes: dict) -> Path:
