@@ -14,6 +14,7 @@ import json
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from packfigures import draw_bonds, draw_days
 from packwatch import DAY, Watched, read_sea, shapes, watch
+from tables import show
 
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
@@ -78,7 +80,7 @@ def read_run(folder: Path, days: list[float]) -> Run:
     first = snapshot(read_dataset(folder / "state/0000.nc"))
     if "cell_corners" not in first or "bonded_length" not in first:
         raise FloeError(f"{folder}: only scenes with the effects bonds and remap can be watched")
-    for state in chain_snapshots(first, sorted((folder / "elements").glob("*.nc"))):
+    for state in chain([first], read_snapshots(sorted((folder / "elements").glob("*.nc")))):
         run.watched.append(watch(state, sea))
         day = run.watched[-1].day
         if any(abs(day - wanted) < 1e-6 for wanted in days):
@@ -93,12 +95,6 @@ def read_run(folder: Path, days: list[float]) -> Run:
     run.windows = read_windows(folder, scene)
     run.budgets = json.loads((folder / "diagnostics.json").read_text())["budgets"]
     return run
-
-
-def chain_snapshots(first: xr.Dataset, paths: list[Path]) -> Iterator[xr.Dataset]:
-    """The start, then the ends of all windows."""
-    yield first
-    yield from read_snapshots(paths)
 
 
 def read_windows(folder: Path, scene: Scene) -> dict[str, Array]:
@@ -204,18 +200,6 @@ def rows(run: Run) -> list[tuple[str, str]]:
     ]  # fmt: skip
 
 
-def show(table: dict[str, list[tuple[str, str]]]) -> None:
-    """Print a table with a column a run."""
-    names = list(table)
-    lines = [("", *names)]
-    lines += [
-        (parts[0][0], *(value for _, value in parts)) for parts in zip(*table.values(), strict=True)
-    ]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(names) + 1)]
-    for line in lines:
-        print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)))
-
-
 def main() -> None:
     """Read runs, print, and draw."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -231,7 +215,7 @@ def main() -> None:
             sys.exit(str(error))
         table[run.name] = rows(run)
         told[run.name] = {
-            "rows": rows(run),
+            "rows": table[run.name],
             "windows": {name: values.tolist() for name, values in run.windows.items()},
             "strength": run.strength,
             **{f.name: run.over_time(f.name).tolist() for f in fields(Watched)},
@@ -245,7 +229,10 @@ def main() -> None:
             }
             draw_days(run.kept, outlined, mask, chosen.figure / f"pack_{run.name}.png")
             draw_bonds(told[run.name], chosen.figure / f"pack_bonds_{run.name}.png")
-    show(table)
+    parts = [
+        (lines[0][0], *(value for _, value in lines)) for lines in zip(*table.values(), strict=True)
+    ]
+    show(("", *table), parts)
     out = Path("results/benchmarks/pack.json")
     out.parent.mkdir(parents=True, exist_ok=True)
     write_text(json.dumps(told, indent=1) + "\n", out)

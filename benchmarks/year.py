@@ -3,9 +3,8 @@
 
 Usage: python benchmarks/year.py [--scene FILE] [--ranks 2] [--keep] [--figure FILE]
 Runs the scene to its report and prints two tables, the first of the last 365 days; with ``--keep``
-it reads a run that lies there,
-with ``--figure`` it draws March, September and the seasons of volume and extent. Writes
-``results/benchmarks/year.json``. Wall time wants idle cores.
+it reads a run that lies there, with ``--figure`` it draws March, September and the seasons of
+volume and extent. Writes ``results/benchmarks/year.json``. Wall time wants idle cores.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,6 +21,7 @@ import cmocean
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
+from tables import show
 
 from floeflow.core.atomic_write import write_text
 from floeflow.diagnostics import season
@@ -183,15 +182,6 @@ def costs(folder: Path, wall: float | None, days: float) -> list[tuple[str, str]
         rows.append(("the whole run", f"{wall / days:.2f}"))
         rows.append(("share outside of the windows' parts", f"{100 * (1 - inside / wall):.0f} %"))
     return rows
-
-
-def show(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
-    """Print a table."""
-    lines = [head, *rows]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
-    for line in lines:
-        print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)))
-    print()
 
 
 def draw(grid: xr.Dataset, path: Path) -> None:

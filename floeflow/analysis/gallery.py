@@ -23,7 +23,7 @@ from matplotlib.collections import EllipseCollection, LineCollection, PolyCollec
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from floeflow.core.period import period_of, sides
+from floeflow.core.period import period_of, shifts
 from floeflow.coupling.first_state import Pack, first_pack
 from floeflow.report.figures.frame import Frame, draw_land, draw_scale_bar, prepare_axes
 from floeflow.report.figures.maps import element_shapes
@@ -154,11 +154,7 @@ def draw(view: View, scene: Scene, mask: xr.Dataset, packing: xr.Dataset) -> Fig
 
 def copies(packing: xr.Dataset) -> list[np.ndarray]:
     """Shifts (km), (2,), at which a packing is drawn: where it is, and where it repeats itself."""
-    period, none = period_of(packing.attrs), np.zeros(2)
-    if period is None:
-        return [none]
-    ways = [(-side, 0.0, side) if np.isfinite(side) else (0.0,) for side in sides(period)]
-    return [np.array([right, up]) / 1e3 for right in ways[0] for up in ways[1]]
+    return [shift / 1e3 for shift in shifts(period_of(packing.attrs))]
 
 
 def draw_discs(axes: Axes, packing: xr.Dataset, bonds: xr.Dataset | None) -> None:

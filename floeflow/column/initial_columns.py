@@ -137,8 +137,8 @@ def first_columns(
     if first.lead_ice > 0.0:
         leads = np.where(fraction >= PACK, 1.0 - fraction, 0.0)
         young = leads * first.lead_ice
-        level_area = with_level(level_area, share[:, 0], leads)
-        level_volume = with_level(level_volume, ice_volume[:, 0], young)
+        level_area = _with_level(level_area, share[:, 0], leads)
+        level_volume = _with_level(level_volume, ice_volume[:, 0], young)
         share[:, 0] += leads
         ice_volume[:, 0] += young
     there = share > 0.0
@@ -162,7 +162,7 @@ def first_columns(
     return columns | _first_layers(ice, cover, min(surface, freezing), settings)
 
 
-def with_level(level: Array, before: Array, added: Array) -> Array:
+def _with_level(level: Array, before: Array, added: Array) -> Array:
     """Level share of categories (1) after level ice was added to the first, (n, ncat)."""
     found, total = level.copy(), before + added
     np.divide(level[:, 0] * before + added, total, out=found[:, 0], where=total > 0.0)

@@ -7,6 +7,7 @@ Its bounds are west, south, east and north edge (m); an axis with infinite bound
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -78,6 +79,14 @@ def wrapped(places: Array, period: Period | None) -> Array:
     return out
 
 
+def shifts(period: Period | None) -> list[Array]:
+    """Ways (m), (2,), from a rectangle to itself and to its copies around it, its own first."""
+    if period is None:
+        return [np.zeros(2)]
+    across, up = ((0.0, -side, side) if np.isfinite(side) else (0.0,) for side in sides(period))
+    return [np.array(way) for way in product(across, up)]
+
+
 def images(places: Array, reach: float, period: Period | None) -> tuple[Array, Index]:
     """Copies of places around the rectangle, no further off than a reach.
 
@@ -98,17 +107,12 @@ def images(places: Array, reach: float, period: Period | None) -> tuple[Array, I
     found, of = [np.empty((0, 2))], [np.empty(0, np.int64)]
     if period is None:
         return found[0], of[0]
-    wide, high = sides(period)
     low, top = np.array(period[:2]) - reach, np.array(period[2:]) + reach
-    for right in (-1, 0, 1) if np.isfinite(wide) else (0,):
-        for up in (-1, 0, 1) if np.isfinite(high) else (0,):
-            if right == up == 0:
-                continue
-            shift = np.array([right * wide if right else 0.0, up * high if up else 0.0])
-            moved = places + shift
-            near = np.flatnonzero(((moved > low) & (moved < top)).all(axis=1))
-            found.append(moved[near])
-            of.append(near)
+    for shift in shifts(period)[1:]:
+        moved = places + shift
+        near = np.flatnonzero(((moved > low) & (moved < top)).all(axis=1))
+        found.append(moved[near])
+        of.append(near)
     return np.concatenate(found), np.concatenate(of)
 
 
