@@ -80,10 +80,10 @@ def wrapped(places: Array, period: Period | None) -> Array:
 
 
 def shifts(period: Period | None) -> list[Array]:
-    """Ways (m), (2,), from a rectangle to itself and to its copies around it, its own first."""
+    """Ways (m), (2,), from a rectangle to its copies around it, and to itself."""
     if period is None:
         return [np.zeros(2)]
-    across, up = ((0.0, -side, side) if np.isfinite(side) else (0.0,) for side in sides(period))
+    across, up = ((-side, 0.0, side) if np.isfinite(side) else (0.0,) for side in sides(period))
     return [np.array(way) for way in product(across, up)]
 
 
@@ -108,7 +108,9 @@ def images(places: Array, reach: float, period: Period | None) -> tuple[Array, I
     if period is None:
         return found[0], of[0]
     low, top = np.array(period[:2]) - reach, np.array(period[2:]) + reach
-    for shift in shifts(period)[1:]:
+    for shift in shifts(period):
+        if not shift.any():
+            continue
         moved = places + shift
         near = np.flatnonzero(((moved > low) & (moved < top)).all(axis=1))
         found.append(moved[near])
