@@ -124,12 +124,13 @@ class Whirl:
     radius: float
 
 
-# Speeds near the surface: Rudels (2015), Woodgate et al. (1999, East Greenland Current),
+# Speeds near the surface: Rudels (2015), Woodgate et al. (1999, East Greenland Current; with the
+# gyre of the Greenland Sea 5 cm/s over the ice of Fram Strait, as Smedsrud et al. 2011 found),
 # Beszczynska-Moeller et al. (2012, West Spitsbergen Current), Proshutinsky and Johnson (1997).
 STREAMS_NORTH = (
     Stream(((160, 77), (165, 84), (0, 89.5), (-10, 85), (-5, 81)), 0.03, 2.5e5),  # Transpolar Drift
     Stream(((-5, 81), (-8, 78), (-12, 75), (-19, 71.5), (-24, 69.5), (-30, 67), (-37, 65),
-            (-41, 62), (-43, 59.5)), 0.07, 1.1e5),  # East Greenland Current
+            (-41, 62), (-43, 59.5)), 0.05, 1.1e5),  # East Greenland Current
     Stream(((-4, 61), (3, 64), (8, 67), (13, 70), (15, 73), (10, 77), (9, 79), (14, 80.7)), 0.12,
            1.2e5),  # Norwegian Atlantic and West Spitsbergen Currents
     Stream(((15, 71.5), (25, 72.5), (35, 72.5), (45, 73.5), (52, 75.5)), 0.06, 1.3e5),  # North Cape
