@@ -10,16 +10,53 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter
 
 from floeflow.coupling.sea.places import SeaPlaces
-from floeflow.coupling.sea.shares import build_shares
+from floeflow.coupling.sea.shares import Shares, build_shares
 from floeflow.dynamics.ridging.ridging import close_areas
 from floeflow.scene import Scene
 from floeflow.state.elements import pair_arrays
 from floeflow.state.schema import MOBILE
+from floeflow.transfer import Grid
+
+Array = NDArray[np.float64]
 
 # Shares smear areas over a cell or two; so much above the sea may be no more than that.
 SLACK = 0.02
+# Regions are so many elements wide. What they hold beyond their sea would be pushed out of them by
+# the next remap, from one to the other as far as the ice edge, so less of it may be.
+REGION, REGION_SLACK = 5.0, 0.001
+
+
+def fitting(shares: Shares, grid: Grid, area: Array) -> Array:
+    """Share of what elements claim in each cell that the sea there and around it has room for.
+
+    Parameters
+    ----------
+    shares : Shares
+        Of the elements.
+    grid : Grid
+        The scene's grid.
+    area : ndarray
+        Effective areas of the elements (m2), (n,).
+
+    Returns
+    -------
+    ndarray
+        0 to 1, (cells,).
+    """
+    fits = np.minimum((1.0 + SLACK) * shares.sea / np.maximum(shares.claimed, 1.0), 1.0)
+    if not len(area):
+        return fits
+    wide = REGION * float(np.sqrt(area.mean()))
+    sides = [max(1, round(wide / step)) for step in reversed(grid.spacing)]
+    sea, claimed = (
+        uniform_filter(cells.reshape(grid.shape), sides, mode="constant").ravel()
+        for cells in (shares.sea, shares.claimed * fits)
+    )
+    return fits * np.minimum((1.0 + REGION_SLACK) * sea / np.maximum(claimed, 1.0), 1.0)
 
 
 def close_crowded(
@@ -44,8 +81,7 @@ def close_crowded(
     mobile = np.flatnonzero(state["type"].values == MOBILE)
     x, y, area = (state[name].values[mobile] for name in ("x", "y", "area"))
     shares = build_shares(x, y, area, places.grid, places.area)
-    crowd = np.maximum(shares.claimed, 1.0)
-    fits = np.minimum((1.0 + SLACK) * shares.sea / crowd, 1.0)
+    fits = fitting(shares, places.grid, area)
     closed = np.zeros(state.sizes["element"])
     closed[mobile] = area * (1.0 - np.asarray(shares.matrix @ fits))
     total = float(closed.sum())
