@@ -267,6 +267,22 @@ def parts_of_step(c, f, dt, p):
     Growth takes the flux through the ice of the step's start. By Stefan's law ice of thickness h
     grows by less than a quarter of it where h**2 is above 4 k (T_freezing - T_air) dt / L; of mush
     a part only must freeze, so that it grows as much faster.
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+    f : ndarray
+        Forcing of the step, (len(FORCING),).
+    dt : float
+        Time step (s).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    int
+        Number of equal parts, 1 where the step may be taken whole.
     """
     if dt <= HOUR:
         return 1

@@ -40,7 +40,20 @@ def heat_capacity(params: ColumnParams) -> float:
 
 
 def sea_energy(sea: Sea, params: ColumnParams) -> Array:
-    """Heat of the mixed layer above its freezing point, less what it lacks (J/m2), (n,)."""
+    """Heat of the mixed layer above its freezing point, less what it lacks (J/m2), (n,).
+
+    Parameters
+    ----------
+    sea : Sea
+        Mixed layer, (n,).
+    params : ColumnParams
+        Its depth, and the freezing point.
+
+    Returns
+    -------
+    ndarray
+        (n,).
+    """
     warmer = sea.temperature - params.freezing_temperature
     return np.asarray(heat_capacity(params) * warmer - sea.pending_freeze)
 

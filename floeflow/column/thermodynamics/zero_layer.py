@@ -76,6 +76,19 @@ def step_with_sea(
     A mixed layer takes what air and ice give it and keeps it: `energy_to_ocean` is zero then, and
     `energy_ocean` is what comes from below the layer.
 
+    Parameters
+    ----------
+    state : ColumnState
+        Columns at the start, (n, ncat).
+    sea : Sea or None
+        Mixed layer at the start, (n,).
+    forcing : ColumnForcing
+        Mean weather of the step, (n,).
+    dt : float
+        s.
+    params : ColumnParams
+        Constants.
+
     Raises
     ------
     FloeError

@@ -19,7 +19,20 @@ _VOLUMES = ("ice_volume", "snow_volume")
 
 
 def before_closing(columns: Columns, closed: Array) -> Columns:
-    """Columns that ridging left, as they were before the closing but per area that is left."""
+    """Columns that ridging left, as they were before the closing but per area that is left.
+
+    Parameters
+    ----------
+    columns : dict of ndarray
+        By the names of the state's schema, after ridging has used up area.
+    closed : ndarray
+        Share of each element's area that has just closed, (n,).
+
+    Returns
+    -------
+    dict of ndarray
+        ``ice_fraction`` is that of the area that is left.
+    """
     return columns | {"ice_fraction": columns["ice_fraction"] / (1.0 - closed)[:, None]}
 
 
