@@ -186,7 +186,20 @@ def _sums(motion: Motion, before: Grown, after: Grown) -> dict[str, np.ndarray]:
 
 
 def ashore(scene: Scene, state: xr.Dataset) -> np.ndarray:
-    """Ids of the mobile elements whose centre lies on land: none, or the coast does not hold."""
+    """Ids of the mobile elements whose centre lies on land: none, or the coast does not hold.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whether there are walls, and which.
+    state : xarray.Dataset
+        Elements and faces.
+
+    Returns
+    -------
+    ndarray
+        (k,), int64.
+    """
     mobile = state["type"].values == MOBILE
     coast = len(scene.walls.names) if "walls" in scene.effects else 0
     faces = pair_arrays(state, "wall_face")
@@ -259,6 +272,19 @@ def warm_up(
     """Let the column be compiled, or its compiled code be read, before anything is timed.
 
     One step of no elements: what that takes is the program's start, not a window's cost.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Ranks that share the run.
+    scene : Scene
+        Effects and column.
+    state : xarray.Dataset
+        From which the job starts.
+    forcing : xarray.Dataset
+        Of its first window.
+    places : SeaPlaces, optional
+        Grid of the mixed layer.
     """
     if "thermodynamics" in scene.effects:
         start = float(state.attrs["time"])
@@ -289,7 +315,20 @@ def _costs(scene: Scene, ranks: int, motion: Motion, column: tuple[float, float]
 
 
 def march(comm: MPI.Comm, job: Job) -> None:
-    """Advance a job's windows and write each to the work folder."""
+    """Advance a job's windows and write each to the work folder.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Ranks that share the run.
+    job : Job
+        Scene, windows and folders.
+
+    Raises
+    ------
+    FloeError
+        For bad input, and for a run that fails, with the file, element or place.
+    """
     folder = Path(job.folder)
     # Ranks may outlive the rule that started them; the next run sees them by this lock.
     lock = on_root(comm, join_run, folder)

@@ -77,6 +77,13 @@ class IceModel:
     def initialize(self, scene: str | Path, state: str | Path | None = None) -> None:
         """Read a scene; make its first state from its mask, or start from a state of a run.
 
+        Parameters
+        ----------
+        scene : str or Path
+            Scene file.
+        state : str, Path, optional
+            NetCDF file of a state.
+
         Raises
         ------
         FloeError
@@ -167,6 +174,13 @@ class IceModel:
 
     def set_value(self, name: str, values: Any) -> None:
         """Give a forcing field for the windows to come, (ny, nx) or one number.
+
+        Parameters
+        ----------
+        name : str
+            Of the forcing, one of `get_input_var_names`.
+        values : object
+            SI units.
 
         Raises
         ------

@@ -63,6 +63,20 @@ def gyre_current(gyre: Gyre, x: Array, y: Array) -> tuple[Array, Array]:
     """Current of a gyre without divergence, v = V (r/R) exp((1 - (r/R)^2) / 2).
 
     Largest at r = R. Parameters and result as in `cyclone_wind`.
+
+    Parameters
+    ----------
+    gyre : Gyre
+        Centre (m), radius (m), largest speed (m/s) and sense.
+    x : ndarray
+        Places (m).
+    y : ndarray
+        Places (m).
+
+    Returns
+    -------
+    tuple of ndarray
+        Components (m/s).
     """
     dx, dy = (x - gyre.x) / gyre.radius, (y - gyre.y) / gyre.radius
     speed = gyre.current_speed * np.exp(0.5 * (1.0 - dx**2 - dy**2))
@@ -191,6 +205,13 @@ def _weather(weather: Weather) -> dict[str, float]:
 
 def write_cf(data: xr.Dataset, path: Path) -> None:
     """Write a CF file whole or not at all, small because uniform fields pack well.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        With CF attributes.
+    path : Path
+        NetCDF file, replaced in one step.
 
     Raises
     ------

@@ -43,6 +43,13 @@ def forcing_files(scene: Scene) -> list[Path]:
 def all_files(given: Iterable[str], key: str) -> list[Path]:
     """Files that names and patterns mean, archives unpacked; ``key`` asked for them.
 
+    Parameters
+    ----------
+    given : iterable of str
+        Names and patterns.
+    key : str
+        Of the scene, for messages.
+
     Raises
     ------
     FloeError
@@ -63,6 +70,13 @@ def all_files(given: Iterable[str], key: str) -> list[Path]:
 
 def unzip(path: Path, folder: Path = UNPACKED) -> list[Path]:
     """Unpack an archive's data files, once: ERA5 comes as one.
+
+    Parameters
+    ----------
+    path : Path
+        ZIP archive.
+    folder : Path, optional
+        In which the files are kept.
 
     Raises
     ------

@@ -36,7 +36,20 @@ FINER = 2.2
 
 
 def fixed(name: str, unit: str) -> Callable[[Callable[[Scene], Array]], Callable[[Scene], Array]]:
-    """Register the function that makes a fixed field of the forcing."""
+    """Register the function that makes a fixed field of the forcing.
+
+    Parameters
+    ----------
+    name : str
+        Of the field.
+    unit : str
+        SI unit.
+
+    Returns
+    -------
+    callable
+        Decorator of a function from the scene to values on its grid, (ny, nx).
+    """
 
     def register(function: Callable[[Scene], Array]) -> Callable[[Scene], Array]:
         FIXED[name] = function, unit
@@ -108,6 +121,13 @@ def _read_depth(file: InputFile, asked: str, domain: Domain) -> Array:
 
 def find_depth(file: InputFile, asked: str) -> tuple[cf.Variable, bool]:
     """The variable of a file that tells the sea floor, and whether it counts upwards.
+
+    Parameters
+    ----------
+    file : InputFile
+        Bathymetry.
+    asked : str
+        Name of the variable; empty to look for its standard name.
 
     Raises
     ------

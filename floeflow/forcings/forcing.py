@@ -102,7 +102,25 @@ class Places:
         return f"{abs(lat):.1f} {north}, {abs(lon):.1f} {east}"
 
     def values(self, track: Track, plan: Rates) -> Array:
-        """Values of a plan's records on the file's grid, nothing missing where it is needed."""
+        """Values of a plan's records on the file's grid, nothing missing where it is needed.
+
+        Parameters
+        ----------
+        track : Track
+            Variable of the files.
+        plan : Rates
+            Which records.
+
+        Returns
+        -------
+        ndarray
+            On the scene's grid, (records, ny, nx), in the unit of the forcing.
+
+        Raises
+        ------
+        FloeError
+            For a variable without values where they are needed.
+        """
         found = self.transfer(track)
         values = track.values(plan.index)
         missing = np.isnan(values)
@@ -131,7 +149,20 @@ class Places:
 
 
 def places_of(scene: Scene, span: tuple[float, float]) -> Places:
-    """The places of a scene for a span of time (s since its start)."""
+    """The places of a scene for a span of time (s since its start).
+
+    Parameters
+    ----------
+    scene : Scene
+        Its grid and projection.
+    span : tuple of float
+        Start and end (s since the scene's start).
+
+    Returns
+    -------
+    Places
+        Grid of the scene in projection and in degrees.
+    """
     grid, crs = scene_grid(scene.domain), scene_crs(scene.domain)
     return Places(scene, grid, crs, *to_lonlat(crs, *grid.mesh()), span)
 

@@ -62,6 +62,15 @@ def forcing_hints(scene: Scene) -> Hints:
 def find_sources(scene: Scene, files: Sequence[InputFile], advise: bool = True) -> Sources:
     """Look for what the effects need; ``advise`` adds which keys of a scene help.
 
+    Parameters
+    ----------
+    scene : Scene
+        Its effects.
+    files : sequence of InputFile
+        Of the forcing, in the order in which they count.
+    advise : bool, optional
+        Whether messages name keys of a scene that help.
+
     Raises
     ------
     FloeError

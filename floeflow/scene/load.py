@@ -143,7 +143,27 @@ def read_keys(path: str | Path) -> dict[str, Any]:
 
 
 def parse_scene(raw: bytes, default_name: str, choose: Chooser | None = None) -> Scene:
-    """Validate the bytes of a scene file; see `load_scene`."""
+    """Validate the bytes of a scene file; see `load_scene`.
+
+    Parameters
+    ----------
+    raw : bytes
+        UTF-8 YAML.
+    default_name : str
+        Name of a scene that gives none.
+    choose : Chooser, optional
+        What ``effects: auto`` stands for.
+
+    Returns
+    -------
+    Scene
+        Validated.
+
+    Raises
+    ------
+    FloeError
+        For a key that is misspelt, given twice or out of range.
+    """
     data = _keys_of(raw)
     data.setdefault("name", default_name)
     return build_scene(data, choose)
@@ -170,6 +190,13 @@ def _keys_of(raw: bytes) -> dict[str, Any]:
 
 def build_scene(keys: Mapping[str, Any], choose: Chooser | None = None) -> Scene:
     """Validate keys that were read from a scene file or derived from one.
+
+    Parameters
+    ----------
+    keys : mapping of object
+        By block.
+    choose : Chooser, optional
+        What ``effects: auto`` stands for.
 
     Raises
     ------

@@ -236,7 +236,20 @@ _EFFECT_VARIABLES = set(state_variables(EFFECTS)) | set(SCHEME_STATE)
 
 
 def expected_variables(effects: tuple[str, ...], scheme: str = "zero_layer") -> tuple[str, ...]:
-    """Variables of the state of a scene with these effects and scheme, no more and no less."""
+    """Variables of the state of a scene with these effects and scheme, no more and no less.
+
+    Parameters
+    ----------
+    effects : tuple of str
+        Of the scene.
+    scheme : str, optional
+        Of the column.
+
+    Returns
+    -------
+    tuple of str
+        In the order of the schema.
+    """
     wanted = set(state_variables(effects, scheme))
     return tuple(name for name in VARIABLES if name in wanted or name not in _EFFECT_VARIABLES)
 

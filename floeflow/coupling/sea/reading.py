@@ -48,6 +48,17 @@ def find_sea(
 ) -> cf.Variable | None:
     """The variable of a quantity of the sea: the one asked for, else by standard name, or None.
 
+    Parameters
+    ----------
+    variables : dict of cf.Variable
+        Of the file, by name.
+    scene : Scene
+        Block ``sea``.
+    quantity : str
+        By the names of the forcing.
+    key : str
+        Key of the block that names the variable.
+
     Raises
     ------
     FloeError
@@ -75,6 +86,15 @@ def sea_fields(
 
     Off the file's grid, and further from known values than ``mask.fill_reach``, the sea is at its
     freezing point: NaN is not known, and stays NaN.
+
+    Parameters
+    ----------
+    scene : Scene
+        Block ``sea``.
+    lon : ndarray
+        Degrees, (rows, columns).
+    lat : ndarray
+        Degrees, (rows, columns).
 
     Raises
     ------
@@ -111,6 +131,15 @@ def sea_fields(
 def units_of(variable: cf.Variable, si: str, path: Path) -> tuple[float, float]:
     """Factor and offset to SI; salinity without units is in 1e-3, as all scales of it are.
 
+    Parameters
+    ----------
+    variable : cf.Variable
+        One of them.
+    si : str
+        SI unit.
+    path : Path
+        Of the file, for messages.
+
     Raises
     ------
     FloeError
@@ -145,6 +174,13 @@ def _to_places(
 
 def with_sea(scene: Scene, mask: xr.Dataset) -> xr.Dataset:
     """Mask with the sea's temperature and salinity at the start, where a file has them.
+
+    Parameters
+    ----------
+    scene : Scene
+        Grid and block ``sea``.
+    mask : xarray.Dataset
+        On that grid.
 
     Raises
     ------

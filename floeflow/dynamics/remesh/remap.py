@@ -119,7 +119,20 @@ def _with_nearest(
 
 
 def outlines(state: xr.Dataset, rows: Index) -> tuple[Index, Array]:
-    """Open rings in the body frames of some elements: starts and corners (m)."""
+    """Open rings in the body frames of some elements: starts and corners (m).
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With the corners of the elements.
+    rows : Index
+        Rows of the elements, (k,).
+
+    Returns
+    -------
+    tuple of Index and ndarray
+        (k + 1,), and (corners, 2).
+    """
     count = state["cell_corners"].values
     corner = np.stack([state["corner_x"].values, state["corner_y"].values], axis=1)
     start = np.concatenate([[0], np.cumsum(count[rows])])
@@ -127,7 +140,20 @@ def outlines(state: xr.Dataset, rows: Index) -> tuple[Index, Array]:
 
 
 def overlapping(laid: Laid, cells: Cells) -> float:
-    """Share of the elements' area by which they overlap: what is too much for the cells."""
+    """Share of the elements' area by which they overlap: what is too much for the cells.
+
+    Parameters
+    ----------
+    laid : Laid
+        Pieces of elements on cells.
+    cells : Cells
+        Cells and their areas.
+
+    Returns
+    -------
+    float
+        0 to 1.
+    """
     held = np.bincount(laid.pieces.target, weights=laid.pieces.area, minlength=len(cells.id))
     total = float(laid.pieces.area.sum())
     return float(np.maximum(held - cells.area, 0.0).sum()) / total if total > 0 else 0.0

@@ -36,7 +36,22 @@ FARTHEST = 3
 
 
 def attainable(area: Array, capacity: Array, beside: sparse.csr_matrix) -> Array:
-    """Capacities, raised evenly where a bay or basin has less room than it must hold (m2)."""
+    """Capacities, raised evenly where a bay or basin has less room than it must hold (m2).
+
+    Parameters
+    ----------
+    area : ndarray
+        That each of m cells must hold (m2), (m,).
+    capacity : ndarray
+        That each can hold (m2), (m,).
+    beside : scipy.sparse.csr_matrix
+        Which cells have a common edge, (m, m).
+
+    Returns
+    -------
+    ndarray
+        m2, (m,).
+    """
     count, basin = connected_components(beside, directed=False)
     held = np.bincount(basin, weights=area, minlength=count)
     room = np.bincount(basin, weights=capacity, minlength=count)
@@ -163,7 +178,20 @@ def _host(j: int, held: Array, capacity: Array, beside: sparse.csr_matrix) -> in
 
 
 def enclosed(held: Flags, beside: sparse.csr_matrix) -> Flags:
-    """Cells all of whose neighbours hold an element; a cell without neighbours is none, (m,)."""
+    """Cells all of whose neighbours hold an element; a cell without neighbours is none, (m,).
+
+    Parameters
+    ----------
+    held : Flags
+        Cells that hold an element, (m,).
+    beside : scipy.sparse.csr_matrix
+        Which cells have a common edge, (m, m).
+
+    Returns
+    -------
+    Flags
+        (m,).
+    """
     near = np.asarray((beside > 0).sum(axis=1)).ravel()
     filled = np.asarray((beside > 0) @ held.astype(float)).ravel()
     return np.asarray((near > 0) & (filled == near))

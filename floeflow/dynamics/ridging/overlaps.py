@@ -24,6 +24,13 @@ def overlapping_pairs(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows and overlaps (m) of all discs that overlap, sorted; lower row first.
 
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements.
+    period : Period, optional
+        Along which axes the domain repeats itself.
+
     Raises
     ------
     FloeError
