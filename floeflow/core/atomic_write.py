@@ -50,6 +50,19 @@ def write_whole(path: Path) -> Iterator[Path]:
 
 
 def write_text(text: str, path: Path) -> None:
-    """Write a text file; see `write_whole`."""
+    """Write a text file; see `write_whole`.
+
+    Parameters
+    ----------
+    text : str
+        Written as UTF-8.
+    path : Path
+        Replaced in one step.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be written.
+    """
     with write_whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

@@ -111,6 +111,15 @@ def project(polygon: shapely.Geometry, crs: str, name: str) -> shapely.Geometry:
 
     Sides are divided first, along straight lines in longitude and latitude.
 
+    Parameters
+    ----------
+    polygon : shapely.Geometry
+        Degrees.
+    crs : str
+        Projection.
+    name : str
+        Of the polygon, for messages.
+
     Raises
     ------
     FloeError
@@ -148,6 +157,21 @@ def _check_simple(part: shapely.Polygon, name: str) -> None:
 
 
 def within(polygon: shapely.Geometry, x: Array, y: Array) -> NDArray[np.bool_]:
-    """Whether points (m) lie in a polygon; as the arrays are shaped."""
+    """Whether points (m) lie in a polygon; as the arrays are shaped.
+
+    Parameters
+    ----------
+    polygon : shapely.Geometry
+        m; prepared for further questions.
+    x : ndarray
+        m.
+    y : ndarray
+        m.
+
+    Returns
+    -------
+    ndarray
+        bool.
+    """
     shapely.prepare(polygon)
     return np.asarray(shapely.contains_xy(polygon, x, y))

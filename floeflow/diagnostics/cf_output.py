@@ -342,6 +342,13 @@ def _add_method(data: xr.Dataset, fields: dict[str, Array]) -> None:
 def write_grid(data: xr.Dataset, path: Path) -> None:
     """Write gridded output whole or not at all.
 
+    Parameters
+    ----------
+    data : xarray.Dataset
+        CF dataset.
+    path : Path
+        NetCDF file, replaced in one step.
+
     Raises
     ------
     FloeError

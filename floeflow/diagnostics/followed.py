@@ -106,7 +106,20 @@ class Step:
 
 
 def step_between(one: Frame, two: Frame) -> Step:
-    """Displacements between two frames without a remap between them."""
+    """Displacements between two frames without a remap between them.
+
+    Parameters
+    ----------
+    one : Frame
+        Frames, in the order of time.
+    two : Frame
+        Frames, in the order of time.
+
+    Returns
+    -------
+    Step
+        Rows in both, displacements (m) and the time between (s).
+    """
     _, i, j = np.intersect1d(one.id, two.id, assume_unique=True, return_indices=True)
     dx, dy = two.path_x[j] - one.path_x[i], two.path_y[j] - one.path_y[i]
     off = np.hypot(two.x[j] - one.x[i] - dx, two.y[j] - one.y[i] - dy)

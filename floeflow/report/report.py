@@ -119,7 +119,20 @@ CHAPTERS = (
 def make_chapters(
     pictures: Sequence[Picture], facts: Mapping[str, Sequence[summary.Fact]]
 ) -> tuple[list[Chapter], list[Picture]]:
-    """Deal pictures to chapters, in the order in which a page has them; and those left over."""
+    """Deal pictures to chapters, in the order in which a page has them; and those left over.
+
+    Parameters
+    ----------
+    pictures : sequence of Picture
+        In their order.
+    facts : mapping of sequence of summary.Fact
+        Numbers of each chapter.
+
+    Returns
+    -------
+    tuple of list of Chapter and list of Picture
+        Chapters with content; pictures of no chapter.
+    """
     left, found = list(pictures), []
     for name, title, text, begins in CHAPTERS:
         own = [picture for picture in left if picture.name.startswith(begins)]

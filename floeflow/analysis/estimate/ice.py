@@ -61,7 +61,22 @@ class Ice:
 
 
 def surface_flux(c: Conditions, temperature: float, albedo: float) -> float:
-    """Heat into a surface of this temperature (K), W/m2: radiation and bulk turbulent fluxes."""
+    """Heat into a surface of this temperature (K), W/m2: radiation and bulk turbulent fluxes.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    temperature : float
+        Of the surface (K).
+    albedo : float
+        Of the surface.
+
+    Returns
+    -------
+    float
+        W/m2, positive downward.
+    """
     sun = (1.0 - albedo) * c.shortwave_down
     glow = EMISSIVITY * (c.longwave_down - STEFAN_BOLTZMANN * temperature**4)
     stir = AIR_DENSITY * TRANSFER * c.wind

@@ -40,7 +40,20 @@ RUNS_CAPTION = "Ice area, ice volume and mean net drift of the runs."
 
 
 def buoys_figure(errors: LeadErrors, window: float) -> Figure:
-    """Errors against lead time."""
+    """Errors against lead time.
+
+    Parameters
+    ----------
+    errors : LeadErrors
+        Root mean square by lead time (m).
+    window : float
+        Length of a window (s).
+
+    Returns
+    -------
+    Figure
+        Axes in km, and hours or days.
+    """
     unit, word = time_axis(float(errors.lead[-1]) * window)
     lead = errors.lead * window / unit
     with look():
@@ -75,7 +88,20 @@ def displacements_figure(drifts: Drifts) -> Figure:
 
 
 def edge_figure(errors: EdgeErrors, start: datetime) -> Figure:
-    """Integrated ice-edge error with time."""
+    """Integrated ice-edge error with time.
+
+    Parameters
+    ----------
+    errors : EdgeErrors
+        Areas (m2) with time.
+    start : datetime
+        Of the scene.
+
+    Returns
+    -------
+    Figure
+        One curve each.
+    """
     unit, word = time_axis(float(np.abs(errors.seconds).max()))
     at = errors.seconds / unit
     scale, name = pick_unit(AREA_UNITS, errors.integrated, errors.persistence)

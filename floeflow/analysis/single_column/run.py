@@ -183,7 +183,25 @@ def physics_of(given: argparse.Namespace) -> ColumnPhysics:
 
 
 def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
-    """Forcing of the place that the command line names."""
+    """Forcing of the place that the command line names.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Parsed command line.
+    settings : Settings
+        What the columns read.
+
+    Returns
+    -------
+    PointForcing
+        SI units.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read, or lacks a variable.
+    """
     constant = {
         "ocean_heat_flux": given.ocean_heat_flux,
         "friction_velocity": given.friction_velocity,

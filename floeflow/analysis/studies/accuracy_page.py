@@ -25,6 +25,18 @@ def recommendations(study: Accuracy, scene: Scene) -> list[tuple[float, bool, Se
     """Cheapest setting for each target error: of all knobs, and with the scene's own elements.
 
     Where a pack breaks, elements of another size break elsewhere: no size then keeps the error.
+
+    Parameters
+    ----------
+    study : Accuracy
+        What was measured.
+    scene : Scene
+        Its keys.
+
+    Returns
+    -------
+    list of tuple of float, bool and Setting or None
+        Target (1), whether the scene's elements are kept, and the setting or None.
     """
     points = quieted(study.points, study.noise)
     every = [knob.name for knob in knobs(scene)]
@@ -37,7 +49,20 @@ def recommendations(study: Accuracy, scene: Scene) -> list[tuple[float, bool, Se
 
 
 def recommendation_table(study: Accuracy, scene: Scene) -> Table:
-    """Settings for 1, 5 and 20 % error."""
+    """Settings for 1, 5 and 20 % error.
+
+    Parameters
+    ----------
+    study : Accuracy
+        What was measured.
+    scene : Scene
+        Its keys.
+
+    Returns
+    -------
+    Table
+        One row for each target.
+    """
     turned = knobs(scene)
     points = quieted(study.points, study.noise)
     rows = []

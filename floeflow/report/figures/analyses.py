@@ -79,7 +79,17 @@ def _amount(values: xr.DataArray) -> float:
 
 
 def tidy(axes: Axes, x: str, y: str) -> None:
-    """Labels, a faint grid, no box."""
+    """Labels, a faint grid, no box.
+
+    Parameters
+    ----------
+    axes : Axes
+        Of the figure.
+    x : str
+        Labels of the axes, with units.
+    y : str
+        Labels of the axes, with units.
+    """
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
