@@ -254,7 +254,7 @@ def step_column(c, sea, pending, work, f, sums, dt, p):
     sums[r.DEEP_TO_SEA] += dt * deep
     sums[r.VAPOUR_SEA] -= dt * latent / p.vapour
     if not p.frazil and potential > 0.0:
-        # No ice may be made of it: the deep pays.
+        # No ice may be made of it: the heat comes from below.
         sums[r.DEEP_TO_SEA] += potential * dt
         potential = 0.0
     return sea, max(potential, 0.0) * dt

@@ -96,8 +96,8 @@ class ColumnFluxes:
     energy_snowfall : ndarray
         Brought by the snow on ice and in leads, negative (J/m2), (n,).
     energy_to_ocean : ndarray
-        Heat that found nothing to melt, handed back to the ocean; negative where the sea pays
-        for snow that lost its ice (J/m2), (n,).
+        Heat that found nothing to melt, handed back to the ocean; negative where the sea melts
+        snow that lost its ice (J/m2), (n,).
     growth_base, new_ice : ndarray
         Ice grown at the bottom, ice born in open water (m), (n, ncat).
     melt_top, melt_base, melt_lateral : ndarray

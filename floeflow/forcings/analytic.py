@@ -13,10 +13,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core import vectors
-from floeflow.core.atomic_write import write_whole
+from floeflow.core.atomic_write import write_atomically
 from floeflow.core.grids import EARTH_RADIUS, from_lonlat, scene_crs, scene_grid, to_lonlat
 from floeflow.core.times import window_span
-from floeflow.forcings import cf_variables as names
+from floeflow.forcings import cf_variables
 from floeflow.scene.blocks import Cyclone, Gyre, Scene, Weather
 from floeflow.scene.effects import forcing_variables
 
@@ -181,7 +181,7 @@ def make_analytic(scene: Scene, window: int) -> xr.Dataset:
         put("vo", north, "m s-1", "northward_sea_water_velocity")
     for name, value in _weather(scene.forcing.weather).items():
         if name in needed:
-            quantity = names.QUANTITIES[name]
+            quantity = cf_variables.QUANTITIES[name]
             put(quantity.common[0], np.array(value), quantity.si, quantity.standard[0])
     since = scene.time.start.isoformat(sep=" ")
     coords = {
@@ -223,5 +223,5 @@ def write_cf(data: xr.Dataset, path: Path) -> None:
     }
     for name in data.data_vars:
         encoding[str(name)] |= {"zlib": True, "complevel": 1}
-    with write_whole(path) as temporary:
+    with write_atomically(path) as temporary:
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)

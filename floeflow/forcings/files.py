@@ -9,7 +9,7 @@ import zipfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from floeflow.core.atomic_write import write_whole
+from floeflow.core.atomic_write import write_atomically
 from floeflow.core.errors import FloeError
 from floeflow.scene.blocks import Scene
 
@@ -98,7 +98,7 @@ def unzip(path: Path, folder: Path = UNPACKED) -> list[Path]:
                     continue
                 target = into / name
                 if not target.is_file():
-                    with write_whole(target) as temporary:
+                    with write_atomically(target) as temporary:
                         Path(temporary).write_bytes(archive.read(item))
                 found.append(target)
     except (OSError, zipfile.BadZipFile, RuntimeError) as error:

@@ -23,8 +23,7 @@ from floeflow.core.errors import FloeError
 from floeflow.core.fields import AnySource
 from floeflow.core.grids import Grid, scene_crs, scene_grid, to_lonlat
 from floeflow.core.times import say, window_span
-from floeflow.forcings import cf_variables as names
-from floeflow.forcings import fallback
+from floeflow.forcings import cf_variables, fallback
 from floeflow.forcings.accumulate import Rates
 from floeflow.forcings.climatology import window_forcing
 from floeflow.forcings.fixed_fields import FIXED
@@ -169,8 +168,8 @@ def places_of(scene: Scene, span: tuple[float, float]) -> Places:
 
 def _scalar(places: Places, name: str, track: Track) -> tuple[Array, Array]:
     """Times and SI values (time, place) of a scalar; refuses values that cannot be."""
-    quantity = names.QUANTITIES[name]
-    factor, offset, summed = names.scalar_conversion(track.variable, quantity, track.path)
+    quantity = cf_variables.QUANTITIES[name]
+    factor, offset, summed = cf_variables.scalar_conversion(track.variable, quantity, track.path)
     plan = track.records(places.span)
     values = factor * places.values(track, plan) + offset
     at_scene = plan.of(places.transfer(track).of(values))
@@ -198,7 +197,7 @@ def _vector(
         For components of different times, that are too fast, whose stress cannot be known, or
         that cannot be turned to the scene's axes.
     """
-    high = names.VECTORS[name].high
+    high = cf_variables.VECTORS[name].high
     one, other = pair
     said = f"{one.path}: '{one.name}' and '{other.name}'"
     plans = [track.records(places.span) for track in pair]
@@ -209,7 +208,7 @@ def _vector(
     sources = [track.source() for track in pair]
     raw = []
     for track, plan in zip(pair, plans, strict=True):
-        factor, _ = names.conversion(track.variable, names.VECTOR_UNITS, track.path)
+        factor, _ = cf_variables.conversion(track.variable, cf_variables.VECTOR_UNITS, track.path)
         raw.append(factor * places.values(track, plan))
     together = raw[0].shape == raw[1].shape
     fastest = np.hypot(*raw) if together else np.concatenate([part.ravel() for part in raw])

@@ -53,7 +53,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
         "exchange",
     ),
     "cells": ("seed",),
-    "cure": ("remap", "merge", "packing.bond_gap"),
+    "remesh": ("remap", "merge", "packing.bond_gap"),
     # What is kept changes no result, so it is in no window's own hash.
     "keep": ("state.keep",),
     "column": (

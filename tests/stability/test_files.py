@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 from floeflow.core.errors import FloeError
 from floeflow.scene import load_scene
 from floeflow.state import SCHEMA_VERSION, read_state, write_state
-from floeflow.state.file_checksum import seal
+from floeflow.state.file_checksum import append_file_checksum
 from unit.state.test_state import a_state
 
 PAGE = 4096
@@ -166,7 +166,7 @@ def test_a_state_of_a_newer_version_is_named(tmp_path: Path):
     with netCDF4.Dataset(path, "a") as file:
         file.schema_version = SCHEMA_VERSION + 1
     assert "checksum" in refusal(path)
-    seal(path)  # as a newer program would write it
+    append_file_checksum(path)  # as a newer program would write it
     said = refusal(path)
     assert f"version is {SCHEMA_VERSION + 1}" in said and f"versions 1 to {SCHEMA_VERSION}" in said
 

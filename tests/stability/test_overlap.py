@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Hard case 3: packs that overlap from the start, discs at one place, giants beside dwarfs.
+"""Hard case 3: packs that overlap from the start, discs at one place, large beside small discs.
 
 What must hold: the pack is refused in a sentence, or it runs, and what was placed into each other
 is not thrown apart.
@@ -80,12 +80,12 @@ def test_radii_that_no_disc_has_are_refused(log: Path, radius: float):
         watch(log, pack, LAWS, 1.0, forcing=STILL)
 
 
-def test_a_giant_among_dwarfs(log: Path, record):
+def test_a_large_disc_among_small_ones(log: Path, record):
     """One disc a thousand times as wide as its neighbours, pushed through them."""
     angle = 2.0 * np.pi * np.arange(200) / 200
-    giant = discs([0.0], [0.0], 1e5, 2.0)
-    dwarfs = discs(1.001e5 * np.cos(angle), 1.001e5 * np.sin(angle), 100.0, 0.5)
-    pack = {name: np.concatenate([giant[name], dwarfs[name]]) for name in giant}
+    large = discs([0.0], [0.0], 1e5, 2.0)
+    small = discs(1.001e5 * np.cos(angle), 1.001e5 * np.sin(angle), 100.0, 0.5)
+    pack = {name: np.concatenate([large[name], small[name]]) for name in large}
     pack["id"] = np.arange(1, 202)
     pack["u"][0] = 0.2
     params = default_step(pack, None, EngineParams(time_step=1.0), 0.8)

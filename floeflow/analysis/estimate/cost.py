@@ -33,7 +33,7 @@ BOND_MARGIN = 0.05
 COAST_SIZE = 1.0e5
 # Layers of ice for which the schemes' coefficients stand.
 LAYERS = 7
-# Effects that have work of their own between windows: the sea, and what cures distortion.
+# Effects that have work of their own between windows: the sea, remapping and merging.
 IN_WINDOWS = ("mixed_layer", "remap", "merge", "ridging")
 
 
@@ -280,7 +280,7 @@ def run_seconds(
 ) -> float:
     """Wall seconds of a run on so many ranks, other stages one after the other.
 
-    Element model and column are shared by the ranks; each step pays for their messages.
+    Element model and column are shared by the ranks; each step takes time for their messages.
 
     Parameters
     ----------

@@ -126,7 +126,7 @@ def mix(sea: Sea, heat: Array, deep: Array, dt: float, params: ColumnParams) -> 
     # What exceeds the largest potential stays in the water as supercooling.
     temperature = np.where(pending > 0.0, freezing - (lacking - pending) / capacity, temperature)
     if not params.frazil:
-        # No ice may be made of it: the deep pays.
+        # No ice may be made of it: the heat comes from below.
         taken, pending = taken + pending, np.zeros_like(pending)
     return Sea(temperature, pending), taken
 

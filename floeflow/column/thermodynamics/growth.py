@@ -33,7 +33,7 @@ class Change(NamedTuple):
     snowfall, drowned : float
         Snow fallen; snow whose ice went, which the sea melts (m of snow).
     spare : float
-        Energy that found nothing to melt, less what the sea pays for drowned snow (J/m2).
+        Energy that found nothing to melt, less what melts drowned snow in the sea (J/m2).
     salt : float
         Gained by mush in growth and melt (1e-3 m).
     """

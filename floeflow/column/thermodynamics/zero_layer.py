@@ -112,7 +112,7 @@ def step_with_sea(
     vertical = _top_and_bottom(state, area, bottom, forcing, dt, params)
     exists = vertical.ice > 0.0
     area = np.where(exists, area, 0.0)
-    # Snow whose ice is gone melts in the sea, which pays for it.
+    # Snow whose ice is gone melts in the sea and takes its heat.
     drowned = np.where(exists, 0.0, vertical.snow)
     snow = vertical.snow - drowned
     to_sea = (vertical.spare - params.snow_energy * drowned).sum(axis=1)

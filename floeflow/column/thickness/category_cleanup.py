@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 # mypy: disable-error-code="no-untyped-def"
-"""Lateral melt, and what keeps the categories sound: area, bounds, no crumbs."""
+"""Lateral melt, and what keeps the categories sound: area, bounds, no traces of ice."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ def empty(c, n, temperature):
 
 @jit
 def clear(c, freezing, sums):
-    """Melt crumbs in the sea, keep the area at most 1; energy taken from the sea (J/m2).
+    """Melt traces of ice in the sea, keep the area at most 1; energy taken from the sea (J/m2).
 
     What area is above 1 by round-off is given up by all, volumes stay.
 

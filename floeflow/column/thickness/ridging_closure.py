@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Closing of the elements in the terms of their columns, and what the sea pays for it."""
+"""Closing of the elements in the terms of their columns, and the heat that the sea gives for it."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def close_columns(
     columns : dict of ndarray
         Per area that is left. Snow that fell off ridges melts in the mixed layer, if there is one.
     terms : dict of ndarray
-        ``snow_ridging`` (m), ``water_ridging`` (kg/m2) and, without a mixed layer that pays,
+        ``snow_ridging`` (m), ``water_ridging`` (kg/m2) and, without a mixed layer,
         ``energy_ridging`` (J/m2), (n,) each, of snow; with ponds ``pond_ridging`` (m).
     """
     before = dict(columns)

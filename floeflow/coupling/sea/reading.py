@@ -15,7 +15,7 @@ from floeflow.core import cf_reading as cf
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import mask_grid, scene_crs, to_lonlat
 from floeflow.core.input_files import Hints
-from floeflow.forcings import cf_variables as names
+from floeflow.forcings import cf_variables
 from floeflow.masks.mask_file import nearest_time
 from floeflow.scene.blocks import Scene
 
@@ -67,7 +67,7 @@ def find_sea(
     path, asked = sea_path(scene), getattr(scene.sea, key)
     if asked:
         return cf.named(variables, asked, path, f"sea.{key}")
-    standard = names.QUANTITIES[quantity].standard[0]
+    standard = cf_variables.QUANTITIES[quantity].standard[0]
     found = cf.by_standard_name(variables, standard)
     if len(found) > 1:
         listed = ", ".join(item.name for item in found)
@@ -110,7 +110,7 @@ def sea_fields(
             if variable is None:
                 log.info("%s holds no %s: see sea.%s", path, quantity.replace("_", " "), key)
                 continue
-            rule = names.QUANTITIES[quantity]
+            rule = cf_variables.QUANTITIES[quantity]
             factor, offset = units_of(variable, rule.si, path)
             layout = cf.layout(variables, variable, path)
             source = fields.source_grid(variables, variable, layout, data, path)
@@ -147,10 +147,12 @@ def units_of(variable: cf.Variable, si: str, path: Path) -> tuple[float, float]:
     """
     if si == "1e-3" and variable.text("units").lower() in SALT_UNITS:
         return 1.0, 0.0
-    return names.conversion(variable, si, path)
+    return cf_variables.conversion(variable, si, path)
 
 
-def _check_range(values: Array, variable: cf.Variable, rule: names.Quantity, path: Path) -> None:
+def _check_range(
+    values: Array, variable: cf.Variable, rule: cf_variables.Quantity, path: Path
+) -> None:
     known = values[np.isfinite(values)]
     if not known.size:
         raise FloeError(f"{path}: variable '{variable.name}' has no value that is not missing")
@@ -206,5 +208,5 @@ def check_sea_file(scene: Scene) -> None:
     for _, quantity, key in SEA_FIELDS:
         variable = find_sea(variables, scene, quantity, key)
         if variable is not None:
-            units_of(variable, names.QUANTITIES[quantity].si, path)
+            units_of(variable, cf_variables.QUANTITIES[quantity].si, path)
             cf.layout(variables, variable, path)

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from floeflow.dynamics.remesh.outline import cut
 from floeflow.dynamics.remesh.overlap import Pieces, carried_polygons, covered, make_pieces, overlap
 from floeflow.dynamics.remesh.pairs import Ancestry, coast_bonds, fresh_bonds, fresh_contacts
-from floeflow.dynamics.remesh.spread import enclosed, gather_crumbs, spread
+from floeflow.dynamics.remesh.spread import enclosed, join_sparse_cells, spread
 from floeflow.dynamics.remesh.tables import (
     corner_rows,
     element_values,
@@ -193,10 +193,11 @@ def remap(
     share = laid.pieces.matrix()
     fill = {name: move(_product(share.T, values[name])) for name in names if name != "area"}
     arrived = {name: move(amount) for name, amount in arrived.items()}
-    # Traces of ice go to the nearest ice and leave their water; then crumbs go, with all they hold.
+    # Traces of ice go to the nearest ice and leave their water; then cells that are hardly filled
+    # join others.
     goes, part = traces(arrived["area"], arrived["ice_fraction"].sum(axis=1), cells)
     held = _product(goes, part * arrived["area"])
-    onto = sparse.csr_matrix(gather_crumbs(held, cells.area, beside) @ goes)
+    onto = sparse.csr_matrix(join_sparse_cells(held, cells.area, beside) @ goes)
     onto.sort_indices()
     in_part = sparse.csr_matrix(onto @ sparse.diags(part))
     arrived = {

@@ -54,7 +54,7 @@ def overlapping_pairs(
 
 
 def _close_pairs(points: np.ndarray, radius: np.ndarray, period: Period | None) -> np.ndarray:
-    """Pairs that may overlap, (n, 2); classes of radius keep a few giants from meeting everybody.
+    """Pairs that may overlap, (n, 2); classes of radius spare trying a few large discs with all.
 
     A pair is looked for in the class of its larger disc, around the larger one.
     """

@@ -125,11 +125,11 @@ def arch_over_a_strait(comm: MPI.Comm, log: Path) -> Shown:
     return {"exact": of(seen) | exact, "close": {"largest_speed": seen.largest_speed}}
 
 
-def jam_in_windows(cure: str) -> Case:
+def jam_in_windows(remesh: str) -> Case:
     """Case 4: two windows against the coast, areas closed, elements replaced or merged."""
 
     def case(comm: MPI.Comm, log: Path) -> Shown:
-        at = jam.setting(cure, 40)
+        at = jam.setting(remesh, 40)
         seen = jam.press(at, 2, log, comm)
         energy = seen.energy()
         exact = {
@@ -216,7 +216,7 @@ CASES: dict[str, Case] = {
     "3 overlapping start": overlapping_start,
     "3 radius of nothing": radius_of_nothing,
     "4 arch over a strait": arch_over_a_strait,
-    "4 jam, no cure": jam_in_windows("none"),
+    "4 jam, no remeshing": jam_in_windows("none"),
     "4 jam, remap": jam_in_windows("remap every window"),
     "4 jam, merge": jam_in_windows("merge"),
     "5 shattering": shattering,

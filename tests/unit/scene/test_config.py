@@ -139,7 +139,7 @@ def test_a_changed_key_changes_the_hash_of_its_stages_only():
     [
         ("state: {precision: single}", {"initial", "dynamics"}),
         ("grid: {transfer: nearest}", {"grid"}),
-        ("remap: {order: 1}", {"cure"}),
+        ("remap: {order: 1}", {"remesh"}),
     ],
 )
 def test_ways_to_do_a_thing_are_read_where_it_is_done(keys: str, stages: set[str]):

@@ -11,8 +11,8 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
-# Docstrings of commands are what ``--help`` prints; those of the synthetic climate give the unit and
-# shape of what comes out, of places and days in the head of each module.
+# Docstrings of commands are what ``--help`` prints. Those of the synthetic climate give unit and
+# shape of what comes out in their first line: all take places, days and weather there.
 EXEMPT = ("floeflow/cli.py", "floeflow/forcings/climatology/")
 
 
@@ -47,7 +47,7 @@ def test_public_functions_list_their_parameters(project: Path):
 
 
 def test_a_function_without_sections_is_found():
-    listed = '    """Sum.\n\n    Parameters\n    ----------\n    a, b : float\n        m.\n    """\n'
+    listed = '    """Sum.\n\n    Parameters\n    ----------\n    a, b : float\n    """\n'
     assert without_sections(f"def add(a, b):\n{listed}") == []
     assert without_sections('def add(a, b):\n    """Sum of two lengths (m)."""\n') == ["add"]
     assert without_sections('class A:\n    def add(self, a, b):\n        """Sum."""\n') == ["add"]
