@@ -179,7 +179,7 @@ def _scalar(places: Places, name: str, track: Track) -> tuple[Array, Array]:
     if low < quantity.low - slack or high > quantity.high + slack:
         raise FloeError(
             f"{track.path}: '{track.name}' reaches from {low:g} to {high:g} {quantity.si}, "
-            f"outside {quantity.low:g} to {quantity.high:g}: check its units"
+            f"outside {quantity.low:g} to {quantity.high:g} {quantity.si}: check its units"
         )
     return plan.seconds, np.clip(at_scene, quantity.low, quantity.high)
 

@@ -278,7 +278,7 @@ class Track:
             raise FloeError(
                 f"{self.path}: '{self.name}' is of {times.say(self.clock.start, seconds[0])}, "
                 f"{days:.0f} days from the scene's start; forcing.days_off allows "
-                f"{self.clock.days_off:g}"
+                f"{self.clock.days_off:g} days"
             )
 
     def _how(self) -> str:

@@ -148,7 +148,7 @@ def nearest_time(
     if days > scene.mask.days_off:
         raise FloeError(
             f"{path}: its nearest time is {times.say(start, float(seconds[index]))}, {days:.0f} "
-            f"days from the scene's start; mask.days_off allows {scene.mask.days_off:g}"
+            f"days from the scene's start; mask.days_off allows {scene.mask.days_off:g} days"
         )
     return (index if layout.time else 0), days
 

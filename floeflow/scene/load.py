@@ -20,6 +20,8 @@ from floeflow.scene.effects import check_effects
 MAX_BYTES = 1_000_000
 # Longer whole numbers are no setting, and Python may refuse to print them.
 MAX_BITS = 64
+# Faults of a number out of its range, which is told with the key's unit.
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 KINDS = {"int": "whole number", "float": "number", "bool": "truth value", "timestamp": "date"}
 
 # Picks the effects of a scene with ``effects: auto``: `floeflow.analysis.resolve` has one.
@@ -256,7 +258,22 @@ def _fault_sentence(fault: ErrorDetails) -> str:
     message = fault["msg"][0].lower() + fault["msg"][1:]
     value = fault["input"]
     got = "" if isinstance(value, dict | list) else f" (got {value!r:.60})"
-    return f"{place}: {message}{got}"
+    unit = _unit(location) if fault["type"] in _BOUNDS else ""
+    return f"{place}: {message}{unit}{got}"
+
+
+def _unit(location: list[str]) -> str:
+    """Unit of a key as it stands behind a number; empty where it has none."""
+    model: type[BaseModel] = Scene
+    for part in location[:-1]:
+        annotation = model.model_fields[part].annotation if part in model.model_fields else None
+        if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
+            return ""
+        model = annotation
+    info = model.model_fields.get(location[-1])
+    extra = info.json_schema_extra if info else None
+    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+    return f" {unit}" if unit not in ("", "1") else ""
 
 
 def _known_keys(location: list[str]) -> list[str]:

@@ -120,7 +120,8 @@ def read_points(path: Path, start: datetime, thickness: bool = False) -> Points:
     depth = data[:, 3] if thickness else None
     if depth is not None and (depth.min() < 0.0 or depth.max() > 50.0):
         raise FloeError(
-            f"{path}: thickness reaches from {depth.min():g} to {depth.max():g}, outside 0 to 50 m"
+            f"{path}: thickness reaches from {depth.min():g} to {depth.max():g} m, outside 0 to "
+            "50 m"
         )
     return Points(path, names_of, data[:, 0], data[:, 1], data[:, 2], depth)
 

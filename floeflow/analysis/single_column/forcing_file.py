@@ -191,9 +191,9 @@ def _series(track: Track, name: str, start: datetime, near: str) -> tuple[Array,
         factor, offset = cf_variables.conversion(
             track.variable, cf_variables.VECTOR_UNITS, track.path
         )
-        low, summed = -high, False
+        low, summed, unit = -high, False, cf_variables.VECTOR_UNITS
     else:
-        low, high = quantity.low, quantity.high
+        low, high, unit = quantity.low, quantity.high, quantity.si
         factor, offset, summed = cf_variables.scalar_conversion(
             track.variable, quantity, track.path
         )
@@ -210,9 +210,9 @@ def _series(track: Track, name: str, start: datetime, near: str) -> tuple[Array,
     if bad.any():
         k = int(np.argmax(bad))
         raise FloeError(
-            f"{track.path}: '{track.name}' is {values[k]:g} at "
-            f"{say(start, float(plan.seconds[k]))}{near}, outside {low:g} to {high:g}: check its "
-            "units"
+            f"{track.path}: '{track.name}' is {values[k]:g} {unit} at "
+            f"{say(start, float(plan.seconds[k]))}{near}, outside {low:g} to {high:g} {unit}: "
+            "check its units"
         )
     return plan.seconds, np.clip(values, low, high)
 

@@ -133,8 +133,8 @@ def check(given: argparse.Namespace) -> None:
         raise FloeError("--fraction must lie between 0 and 1")
     if given.scheme == "mushy" and given.salinity < LEAST_SALINITY:
         raise FloeError(
-            f"--salinity must be {LEAST_SALINITY:g} or more with --scheme mushy: fresh water makes "
-            "no mush"
+            f"--salinity must be {LEAST_SALINITY:g} (1e-3) or more with --scheme mushy: fresh "
+            "water makes no mush"
         )
     if given.ponds and given.scheme == "zero_layer":
         raise FloeError("--ponds needs --scheme bl99 or mushy")

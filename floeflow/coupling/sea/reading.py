@@ -161,7 +161,7 @@ def _check_range(
     if known.min() < rule.low or not low <= known.max() <= rule.high:
         raise FloeError(
             f"{path}: '{variable.name}' reaches from {known.min():g} to {known.max():g} "
-            f"{rule.si}, outside {rule.low:g} to {rule.high:g}: check its units"
+            f"{rule.si}, outside {rule.low:g} to {rule.high:g} {rule.si}: check its units"
         )
 
 
