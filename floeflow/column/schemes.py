@@ -60,7 +60,7 @@ def scheme_of(settings: Settings) -> Scheme:
     """
     if settings.scheme not in SCHEMES:
         known = ", ".join(SCHEMES)
-        raise FloeError(f"column.scheme: '{settings.scheme}' is no scheme; known are {known}")
+        raise FloeError(f"column.scheme: unknown scheme '{settings.scheme}'; known are {known}")
     return SCHEMES[settings.scheme]
 
 

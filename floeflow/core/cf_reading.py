@@ -407,5 +407,5 @@ def projection(variables: dict[str, Variable], variable: Variable, path: str | P
     except (CRSError, KeyError, TypeError, ValueError):
         raise FloeError(f"{path}: the grid mapping '{name}' names no known projection") from None
     if not crs.is_projected:
-        raise FloeError(f"{path}: the grid mapping '{name}' is no projection in metres")
+        raise FloeError(f"{path}: the grid mapping '{name}' is not a projection in metres")
     return crs

@@ -160,7 +160,7 @@ def scene_crs(domain: Domain) -> pyproj.CRS:
     except CRSError:
         raise FloeError(f"domain.crs: '{domain.crs}' names no coordinate system") from None
     if not crs.is_projected or any(axis.unit_name != "metre" for axis in crs.axis_info[:2]):
-        raise FloeError(f"domain.crs: '{domain.crs}' is no projection in metres")
+        raise FloeError(f"domain.crs: '{domain.crs}' is not a projection in metres")
     return crs
 
 

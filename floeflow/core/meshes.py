@@ -147,7 +147,7 @@ def read_triangles(path: Path) -> tuple[Array, Index]:
     except OSError as error:
         raise FloeError(f"{path}: the mesh cannot be read: {error.strerror}") from None
     except (Exception, SystemExit):  # meshio ends the process where it knows no format
-        raise FloeError(f"{path}: is no triangle mesh that can be read") from None
+        raise FloeError(f"{path}: is not a triangle mesh that can be read") from None
     other = cells - {"triangle"}
     if len(triangles) == 0 or other:
         found = ", ".join(sorted(other)) or "nothing"

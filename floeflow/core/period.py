@@ -56,7 +56,7 @@ def shortest(between: tuple[Array, Array], period: Period | None) -> tuple[Array
     if period is None:
         return dx, dy
     wide, high = sides(period)
-    # Without a rounding where nothing repeats: infinity times 0 is no number.
+    # Without a rounding where nothing repeats: infinity times 0 is not a number.
     if np.isfinite(wide):
         dx = dx - wide * np.rint(dx / wide)
     if np.isfinite(high):

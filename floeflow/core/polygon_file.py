@@ -69,7 +69,7 @@ def _of_json(path: Path) -> list[tuple[shapely.Geometry, dict[str, Any]]]:
     try:
         data = json.loads(path.read_text("utf-8"))
     except (ValueError, RecursionError):
-        raise FloeError(f"{path}: this is no GeoJSON") from None
+        raise FloeError(f"{path}: this is not GeoJSON") from None
     return [
         (_polygon(feature, f"{path}: feature {number}"), feature.get("properties") or {})
         for number, feature in enumerate(_features(data, path), start=1)
@@ -86,7 +86,7 @@ def _features(data: Any, path: Path) -> list[dict[str, Any]]:
         return [data]
     elif kind in ("Polygon", "MultiPolygon"):
         return [{"geometry": data}]
-    raise FloeError(f"{path}: this is no GeoJSON of polygons")
+    raise FloeError(f"{path}: this is not GeoJSON of polygons")
 
 
 def _polygon(feature: dict[str, Any], name: str) -> shapely.Geometry:

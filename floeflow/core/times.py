@@ -106,7 +106,7 @@ def _plain_units(units: str, times: Array) -> tuple[str, Array, float]:
         reference = f"{packed[1]}-{packed[2]}-{packed[3]}{packed[4]}"
     found = _REFERENCE.match(reference.strip())
     if found is None:
-        raise ValueError(f"'{reference.strip()}' is no date")
+        raise ValueError(f"'{reference.strip()}' is not a date")
     part = {name: text or "" for name, text in found.groupdict().items()}
     second = float(part["second"] or 0.0)
     date = (

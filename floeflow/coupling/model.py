@@ -169,7 +169,7 @@ class IceModel:
             return self._given[name].copy()
         if self.fluxes is None or name not in self.fluxes:
             known = ", ".join(self.get_output_var_names())
-            raise FloeError(f"'{name}' is no output of the scene now; there are {known}")
+            raise FloeError(f"'{name}' is not an output of the scene now; there are {known}")
         return np.array(self.fluxes[name].values[0])
 
     def set_value(self, name: str, values: Any) -> None:

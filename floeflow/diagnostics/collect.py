@@ -448,5 +448,5 @@ def read_cost(paths: Iterable[Path]) -> list[dict[str, Any]]:
                 for record in records
             ]
         except (OSError, ValueError, TypeError, KeyError):
-            raise FloeError(f"{path}: is no list of benchmark records") from None
+            raise FloeError(f"{path}: is not a list of benchmark records") from None
     return found

@@ -31,8 +31,8 @@ def check_combinations(scene: Scene) -> None:
     """
     if "+" in scene.name:
         raise FloeError(
-            f"name: {scene.name!r} is no plain name (lower-case letters, digits, '_' and '-', at "
-            "most 64, no path)"
+            f"name: {scene.name!r} is not a plain name (lower-case letters, digits, '_' and '-', "
+            "at most 64, no path)"
         )
     _check_domain(scene)
     _check_times(scene)

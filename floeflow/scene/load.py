@@ -55,7 +55,7 @@ class _SceneLoader(yaml.SafeLoader):
         except (ValueError, KeyError, AttributeError, TypeError, ArithmeticError) as error:
             kind = KINDS.get(node.tag.rpartition(":")[2], "value")
             why = f": {error}" if kind == "date" and "must be in" in str(error) else ""
-            raise FloeError(_at(node, f"is no {kind}{why}")) from None
+            raise FloeError(_at(node, f"is not a {kind}{why}")) from None
         if isinstance(value, int) and value.bit_length() > MAX_BITS:
             raise FloeError(_at(node, "is a number of too many digits"))
         if isinstance(value, str):
@@ -252,8 +252,8 @@ def _fault_sentence(fault: ErrorDetails) -> str:
         return f"unknown key '{place}'; {hint}"
     if fault["loc"] == ("name",):
         return (
-            f"name: {fault['input']!r} is no plain name (lower-case letters, digits, '_' and '-', "
-            "at most 64, no path)"
+            f"name: {fault['input']!r} is not a plain name (lower-case letters, digits, '_' and "
+            "'-', at most 64, no path)"
         )
     message = fault["msg"][0].lower() + fault["msg"][1:]
     value = fault["input"]

@@ -269,7 +269,7 @@ def check_state(state: xr.Dataset) -> None:
     """
     version = state.attrs.get("schema_version")
     if version is None:
-        raise FloeError("this is no FloeFlow state: it has no schema_version")
+        raise FloeError("this is not a FloeFlow state: it has no schema_version")
     if version != SCHEMA_VERSION:
         raise FloeError(
             f"its schema version is {version}, this FloeFlow writes version {SCHEMA_VERSION}"

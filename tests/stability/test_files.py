@@ -202,7 +202,7 @@ HOSTILE = [
 def test_a_hostile_scene_name_is_refused(tmp_path: Path, name: str):
     path = tmp_path / "scene.yaml"
     path.write_text(yaml.safe_dump({"name": name}))
-    with pytest.raises(FloeError, match="name: .* is no plain name"):
+    with pytest.raises(FloeError, match="name: .* is not a plain name"):
         load_scene(path)
     assert list(tmp_path.iterdir()) == [path]
 
@@ -210,5 +210,5 @@ def test_a_hostile_scene_name_is_refused(tmp_path: Path, name: str):
 def test_a_hostile_file_name_gives_its_scene_no_name(tmp_path: Path):
     path = tmp_path / "my scene; touch y.yaml"
     path.write_text("seed: 1\n")
-    with pytest.raises(FloeError, match="is no plain name"):
+    with pytest.raises(FloeError, match="is not a plain name"):
         load_scene(path)

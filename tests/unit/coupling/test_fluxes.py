@@ -207,7 +207,7 @@ def test_names_shapes_and_units(scene_file: Path) -> None:
         (lambda: model.set_value("sunshine", 1.0), "'sunshine' is not read by the scene's effects"),
         (lambda: model.set_value("wind_u", np.zeros(3)), r"has the shape \(3,\), not \(8, 8\)"),
         (lambda: model.set_value("wind_u", np.nan), "values that are not finite"),
-        (lambda: model.get_value("heat_ocean"), "is no output of the scene now"),
+        (lambda: model.get_value("heat_ocean"), "is not an output of the scene now"),
         (lambda: model.update_until(100.0), "no coupling window of 7200 s ends at 100 s"),
         (lambda: model.write_fluxes("x.nc"), "no fluxes before the first window"),
     ):
