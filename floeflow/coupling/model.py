@@ -31,7 +31,7 @@ from floeflow.coupling.coupled_windows import advance_window
 from floeflow.coupling.first_state import first_state
 from floeflow.coupling.fluxes import FIELDS, spread
 from floeflow.coupling.sea.places import sea_places
-from floeflow.forcings.forcing import UNITS
+from floeflow.forcings.forcing import field_units
 from floeflow.forcings.window import window_forcing
 from floeflow.scene import Scene, load_scene
 from floeflow.scene.effects import forcing_variables
@@ -201,7 +201,7 @@ class IceModel:
         """Units of an input or output."""
         if name in FIELDS or name in ICE:
             return (FIELDS.get(name) or ICE[name])[0]
-        return UNITS[name.removesuffix("_u").removesuffix("_v")]
+        return field_units()[name.removesuffix("_u").removesuffix("_v")]
 
     def get_var_grid(self, name: str) -> int:
         """All variables lie on grid 0, the scene grid."""

@@ -54,7 +54,6 @@ UNITS = {
     "snowfall": "kg m-2 s-1",
     "ocean_heat_flux": "W m-2",
     "sea_surface_temperature": "K",
-    **{name: unit for name, (_, unit) in FIXED.items()},
 }
 
 
@@ -240,6 +239,11 @@ def _vector(
     return plans[0].seconds, u, v
 
 
+def field_units() -> dict[str, str]:
+    """SI units of the forcing by variable, vectors without component; fixed fields have theirs."""
+    return UNITS | {name: unit for name, (_, unit) in FIXED.items()}
+
+
 def make_forcing(
     scene: Scene, source: str | Path | Sequence[str | Path], window: int
 ) -> xr.Dataset:
@@ -268,7 +272,7 @@ def make_forcing(
         For what is missing, does not cover scene or window, or cannot be.
     """
     if scene.forcing.source == "climatology":
-        return window_forcing(scene, window, UNITS)
+        return window_forcing(scene, window, field_units())
     paths = [Path(source)] if isinstance(source, str | Path) else [Path(item) for item in source]
     span = window_span(window, scene.time.window)
     places = places_of(scene, span)
@@ -346,13 +350,13 @@ def _dataset(
     window: int,
     said: dict[str, str],
 ) -> xr.Dataset:
-    data_vars = {}
+    data_vars, units = {}, field_units()
     for name in forcing_variables(scene.effects):
         dims = ("y", "x") if name in FIXED else ("time", "y", "x")
         shape = grid.shape if name in FIXED else (time.size, *grid.shape)
         values = np.ascontiguousarray(made[name]).reshape(shape)
-        units = UNITS[name.removesuffix("_u").removesuffix("_v")]
-        data_vars[name] = (dims, values, {"units": units})
+        unit = units[name.removesuffix("_u").removesuffix("_v")]
+        data_vars[name] = (dims, values, {"units": unit})
     log.info("window %d: %d times, %d variables", window, time.size, len(data_vars))
     coords = {
         "time": ("time", time, {"units": "s", "long_name": "time since the scene's start"}),
