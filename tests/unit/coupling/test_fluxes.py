@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -111,6 +113,16 @@ def started(scene_file: Path) -> IceModel:
     model = IceModel()
     model.initialize(scene_file)
     return model
+
+
+def test_the_block_of_the_page_runs(scene_file: Path, project: Path) -> None:
+    text = (project / "docs/how-to/coupling.md").read_text()
+    (block,) = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
+    there: dict[str, Any] = {}
+    own = block.replace("config/scenes/smoke.yaml", str(scene_file))
+    assert own != block
+    exec(compile(own, "coupling.md", "exec"), there)
+    assert there["ocean_gets"].shape == (8, 8) and np.isfinite(there["ocean_gets"]).all()
 
 
 def test_what_the_grid_gets_is_what_the_elements_gave(scene_file: Path) -> None:
