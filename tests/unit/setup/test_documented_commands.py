@@ -3,8 +3,8 @@
 
 A block is fenced as ``console``. A comment in the line before it may say ``slow``, or ``not run:``
 with the reason. Targets of make are asked for with ``make -n``: CI and `make test-fresh` run them.
-Blocks of YAML are scenes that are accepted here. Blocks of Python are run by the tests that `PYTHON`
-names.
+Blocks of YAML are scenes that are accepted here. Blocks of Python are run by the tests that
+`PYTHON` names.
 """
 
 from __future__ import annotations
