@@ -28,7 +28,11 @@ class ColumnPhysics(Block):
         le=2,
     )
     emissivity: float = key(
-        0.985, "Long-wave emissivity of ice, snow and open water.", "1", gt=0, le=1
+        0.985,
+        "Long-wave emissivity of ice and snow, and of open water beside zero-layer ice.",
+        "1",
+        gt=0,
+        le=1,
     )
     snow_conductivity: float = key(0.3, "Heat conductivity of snow.", "W/m/K", ge=0.03, le=2)
     ice_conductivity: float = key(
