@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The surface of zero-layer ice and of leads beside it: albedo, fluxes and their balance.
 
-Constant transfer coefficients (Maykut and Untersteiner 1971; Parkinson and Washington 1979). Of what
-lies below the surface only the conductance to the freezing bottom is used. Layered ice has
+Constant transfer coefficients (Maykut and Untersteiner 1971; Parkinson and Washington 1979). Of
+what lies below the surface only the conductance to the freezing bottom is used. Layered ice has
 `boundary_layer.py` and `floeflow.column.shortwave`.
 """
 
