@@ -14,9 +14,10 @@ from floeflow.report.study_page import Table
 from floeflow.scene import Scene
 
 LEAD = (
-    "Each knob was varied alone, and all together; the error of a knob's runs is against the limit "
-    "of its series (Richardson, where it converges, else its finest run), that of the runs "
-    "that vary all against the finest of them. Errors are relative to what happens in the run."
+    "Each numerical setting was varied alone, and all together; the error of a setting's runs is "
+    "against the limit of its series (Richardson, where it converges, else its finest run), that of "
+    "the runs that vary all against the finest of them. Errors are relative to what happens in "
+    "the run."
 )
 TARGETS = (0.01, 0.05, 0.2)
 
@@ -111,7 +112,7 @@ def run_table(study: Accuracy) -> Table:
         errors: list[object] = [
             100 * p.errors[n] if n in p.errors else "–" if p.stable else "unstable" for n in NORMS
         ]
-        name = "base (all knobs)" if p.knob == TOGETHER and p.run == "base" else p.run
+        name = "base (all settings)" if p.knob == TOGETHER and p.run == "base" else p.run
         name = f"{p.knob} default" if p.level == 1.0 else name
         rows.append([name, p.level, p.work, p.cpu, p.element_steps, *errors])
     note = "Work, CPU and element-steps relative to the default run; errors in per cent."

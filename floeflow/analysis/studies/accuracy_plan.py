@@ -29,7 +29,7 @@ def accuracy_variants(scene: Scene) -> list[Variant]:
                 name = f"{knob.name}-{place}"
                 runs.append(Variant(name, knob.changes(level), knob.name, label))
     for name, move in MOVES.items():
-        label = f"all knobs {name}"
+        label = f"all settings {name}"
         runs.append(Variant(f"all-{name}", _together(scene, move), TOGETHER, label))
     return runs
 
