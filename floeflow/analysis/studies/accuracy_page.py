@@ -15,8 +15,8 @@ from floeflow.scene import Scene
 
 LEAD = (
     "Each numerical setting was varied alone, and all together; the error of a setting's runs is "
-    "against the limit of its series (Richardson, where it converges, else its finest run), that of "
-    "the runs that vary all against the finest of them. Errors are relative to what happens in "
+    "against the limit of its series (Richardson, where it converges, else its finest run), that "
+    "of the runs that vary all against the finest of them. Errors are relative to what happens in "
     "the run."
 )
 TARGETS = (0.01, 0.05, 0.2)
