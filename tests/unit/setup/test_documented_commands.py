@@ -86,15 +86,17 @@ def test_commands_are_written_with_their_path():
 
 
 def test_commands_stand_in_blocks_that_are_looked_at():
-    """Not indented alone: such a block would be run by nothing."""
+    """Not indented alone, nor in a fence of no kind: such a block would be run by nothing."""
     words = (
         r"\$ |\.venv/|make |cd |pip |apt-get |cmake |mpirun |git |floeflow |snakemake |python3? "
     )
     loose = re.compile(rf"(?<=\n\n) {{4}}(?:{words}).*")
+    fenced = re.compile(rf"^```\n(?:{words}).*", re.M)
     lost = {}
     for page in PAGES:
-        text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S)
-        if found := loose.findall(text):
+        text = re.sub(r"^```\w.*?^```$", "", page.read_text(), flags=re.M | re.S)
+        plain = re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S)
+        if found := loose.findall(plain) + fenced.findall(text):
             lost[page.relative_to(PROJECT).as_posix()] = found
     assert lost == {}
 
