@@ -310,7 +310,7 @@ def test_cost_adds_up_in_the_order_of_the_data(run: Run, tmp_path: Path):
 def test_benchmark_that_is_none_is_named(run: Run, tmp_path: Path):
     path = tmp_path / "mask.tsv"
     path.write_text("seconds\n3\n")
-    with pytest.raises(FloeError, match="mask.tsv: is no benchmark"):
+    with pytest.raises(FloeError, match="mask.tsv: is not a benchmark"):
         stages([path], read_numbers(run.folder / "diagnostics.json"))
 
 
