@@ -255,7 +255,7 @@ def test_no_ice_and_absent_effects_are_said(bare: tuple[Run, str]):
     assert "Bonds alive" not in page.within("dt")
     names = {figure["id"] for figure in page.every("figure")}
     assert not [name for name in names if "bond" in name or "snow" in name or "column" in name]
-    absent = html[html.index("neither simulated") :].split("</p>")[0]
+    absent = html[html.index("so not simulated") :].split("</p>")[0]
     assert re.findall(r"<code>(\w+)</code>", absent) == [e for e in EFFECTS if e != "wind"]
     assert not [key for key in scene_keys(run.scene) if key.path.startswith("column.")]
 
