@@ -30,8 +30,14 @@ SPACING = 0.9995  # distance of neighbours over the diameter
 # slowly, so that its rim is as fast and its neighbour lists last as long.
 SHEAR, COMPRESSION, COLUMNS = 2.0e-6, 5.0e-6, 125
 STEP, SKIN = 0.2, 100.0  # s, m
-# Strong enough to stay whole, weak enough that the neighbour lists hold the bonded pairs alone.
-STRENGTH = 1.0e7  # Pa
+# Pa, and tensile over compressive strength. Strong enough to stay whole, weak enough that the
+# neighbour lists hold the bonded pairs alone.
+LAWS = {
+    "young_modulus": 1.0e9,
+    "contact_modulus": 1.0e8,
+    "compressive_strength": 1.0e7,
+    "tensile_share": 0.1,
+}
 # Bonded ice is deformed more slowly: it stays whole.
 BONDED_RATE = 0.02
 # Cells of the forcing (m): most discs meet a line of its nodes.
@@ -120,9 +126,7 @@ class Own:
         self._elements = raft(*size, rate=BONDED_RATE if bonds else 1.0)
         self._bonds = lattice_bonds(size[0], self._elements) if bonds else None
         more |= dict.fromkeys(("wind", "ocean_drag"), bool(driven))
-        params = EngineParams(
-            STEP, bonds=bonds, friction=friction, skin=SKIN, compressive_strength=STRENGTH, **more
-        )
+        params = EngineParams(STEP, bonds=bonds, friction=friction, skin=SKIN, **LAWS, **more)
         self._engine = Engine(comm, params, folder / "log.own")
         self._forcing = breeze(self._elements, driven == "cell") if driven else None
 
@@ -234,7 +238,7 @@ def _write_data(path: Path, e: Arrays) -> None:
 
 def _stock_commands(data: Path, elements: Arrays) -> list[str]:
     """Stock set-up; stiffness, damping and friction are those of the engine's contacts."""
-    p = EngineParams(STEP)
+    p = EngineParams(STEP, **LAWS)
     stiffness = p.contact_modulus * THICKNESS / 2.0
     reduced = float(elements["mass"][0]) / 2.0
     damping = 2.0 * p.contact_damping * math.sqrt(stiffness / reduced)

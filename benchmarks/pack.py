@@ -164,7 +164,7 @@ def rows(run: Run) -> list[tuple[str, str]]:
         ("step at the start, least (s)", f"{w['step'][0]:.1f}, {w['step'].min():.1f}"),
         ("least over the first (%)", f"{100 * w['step'].min() / w['step'][0]:.0f}"),
         ("CPU a day: dynamics (s)", f"{w['dynamics'].mean():.2f}"),
-        ("CPU a day: cure (s)", f"{w['remesh'].mean():.2f}" if len(w["remesh"]) else "none"),
+        ("CPU a day: remeshing (s)", f"{w['remesh'].mean():.2f}" if len(w["remesh"]) else "none"),
         ("CPU a day: the whole window (s)", f"{w['whole'].mean():.2f}"),
         ("centres ashore, all windows", f"{int(seen('ashore').sum())}"),
         ("outlines on land, first, most (% of ice area)",

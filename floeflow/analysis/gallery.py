@@ -123,7 +123,24 @@ def colours(packing: xr.Dataset) -> np.ndarray:
 
 
 def draw(view: View, scene: Scene, mask: xr.Dataset, packing: xr.Dataset) -> Figure:
-    """Whole packing on the left, a part of it with discs on the right."""
+    """Whole packing on the left, a part of it with discs on the right.
+
+    Parameters
+    ----------
+    view : View
+        Which part is enlarged.
+    scene : Scene
+        Its keys.
+    mask : xarray.Dataset
+        With land.
+    packing : xarray.Dataset
+        Elements.
+
+    Returns
+    -------
+    Figure
+        Two maps, axes in km.
+    """
     frame = Frame(scene.domain, mask["land"])
     unturned = packing.assign(theta=("element", np.zeros(packing.sizes["element"])))
     shapes = element_shapes(unturned, packing)
@@ -158,7 +175,17 @@ def copies(packing: xr.Dataset) -> list[np.ndarray]:
 
 
 def draw_discs(axes: Axes, packing: xr.Dataset, bonds: xr.Dataset | None) -> None:
-    """Discs as circles, those of the coast filled, and the glue lines of the bonds."""
+    """Discs as circles, those of the coast filled, and the glue lines of the bonds.
+
+    Parameters
+    ----------
+    axes : Axes
+        In km.
+    packing : xarray.Dataset
+        Elements (m).
+    bonds : xarray.Dataset or None
+        None where there are none.
+    """
     mobile = packing["type"].values == MOBILE
     places = np.stack([packing["x"].values, packing["y"].values], axis=1) / 1e3
     wide = 2.0 * packing["radius"].values / 1e3

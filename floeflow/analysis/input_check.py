@@ -97,6 +97,13 @@ def draw(scene: Scene, path: Path) -> None:
 
     Land is the file's own, or none: the 1 km mask takes seconds.
 
+    Parameters
+    ----------
+    scene : Scene
+        Its mask and forcing.
+    path : Path
+        PNG file.
+
     Raises
     ------
     FloeError

@@ -73,6 +73,13 @@ def _layers(values: Array, salinity: Array, snow: bool, inverse: bool, p: Any) -
 def layer_temperatures(columns: Columns, settings: Settings) -> tuple[Array, Array]:
     """Temperatures (K) of snow and ice layers, top first, NaN where there is none.
 
+    Parameters
+    ----------
+    columns : dict of ndarray
+        By the names of the state's schema, layered.
+    settings : Settings
+        Scheme and layers.
+
     Returns
     -------
     tuple of ndarray

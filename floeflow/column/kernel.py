@@ -254,7 +254,7 @@ def step_column(c, sea, pending, work, f, sums, dt, p):
     sums[r.DEEP_TO_SEA] += dt * deep
     sums[r.VAPOUR_SEA] -= dt * latent / p.vapour
     if not p.frazil and potential > 0.0:
-        # No ice may be made of it: the deep pays.
+        # No ice may be made of it: the heat comes from below.
         sums[r.DEEP_TO_SEA] += potential * dt
         potential = 0.0
     return sea, max(potential, 0.0) * dt
@@ -267,6 +267,22 @@ def parts_of_step(c, f, dt, p):
     Growth takes the flux through the ice of the step's start. By Stefan's law ice of thickness h
     grows by less than a quarter of it where h**2 is above 4 k (T_freezing - T_air) dt / L; of mush
     a part only must freeze, so that it grows as much faster.
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+    f : ndarray
+        Forcing of the step, (len(FORCING),).
+    dt : float
+        Time step (s).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    int
+        Number of equal parts, 1 where the step may be taken whole.
     """
     if dt <= HOUR:
         return 1

@@ -97,7 +97,20 @@ class LayeredState:
 
 
 def take(state: LayeredState, part: slice | NDArray[np.intp]) -> LayeredState:
-    """Columns of some elements: what a rank works on."""
+    """Columns of some elements: what a rank works on.
+
+    Parameters
+    ----------
+    state : LayeredState
+        Columns of n elements.
+    part : slice or ndarray of int
+        Rows of the elements.
+
+    Returns
+    -------
+    LayeredState
+        The same arrays, their rows alone.
+    """
     return LayeredState(**{f.name: getattr(state, f.name)[part] for f in fields(state)})
 
 
@@ -221,7 +234,22 @@ def ice_energy(state: LayeredState) -> Array:
 
 
 def ice_residual(before: LayeredState, after: LayeredState, sums: dict[str, Array]) -> Array:
-    """Change of the energy of ice and snow that the terms do not explain (J/m2), (n,)."""
+    """Change of the energy of ice and snow that the terms do not explain (J/m2), (n,).
+
+    Parameters
+    ----------
+    before : LayeredState
+        Columns at the start and at the end of the steps.
+    after : LayeredState
+        Columns at the start and at the end of the steps.
+    sums : dict of ndarray
+        Budget terms of `step`, each (n,).
+
+    Returns
+    -------
+    ndarray
+        (n,); round-off where the budget closes.
+    """
     named = sums["air_to_ice"] + sums["ocean_to_ice"]
     named = named + sums["snowfall_energy"] + sums["new_ice_energy"]
     return np.asarray(ice_energy(after) - ice_energy(before) - named)
@@ -237,6 +265,24 @@ def sea_residual(
     """Change of the mixed layer's heat that the terms do not explain (J/m2), (n,).
 
     For one step, or for steps with a mixed layer of constant depth (m).
+
+    Parameters
+    ----------
+    before : LayeredState
+        Columns at the start and at the end of the steps.
+    after : LayeredState
+        Columns at the start and at the end of the steps.
+    sums : dict of ndarray
+        Budget terms of `step`, each (n,).
+    mixed_depth : ndarray or float
+        Depth of the mixed layer (m), (n,) or one for all.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    ndarray
+        (n,); round-off where the budget closes.
     """
     warmed = (after.sea_temperature - before.sea_temperature) * mixed_depth
     gain = p.heat_water * p.water_density * warmed
@@ -248,7 +294,22 @@ def sea_residual(
 def water_residual(
     before: LayeredState, after: LayeredState, sums: dict[str, Array]
 ) -> tuple[Array, Array]:
-    """Change of ice and of snow volume that the terms do not explain (m), (n,) each."""
+    """Change of ice and of snow volume that the terms do not explain (m), (n,) each.
+
+    Parameters
+    ----------
+    before : LayeredState
+        Columns at the start and at the end of the steps.
+    after : LayeredState
+        Columns at the start and at the end of the steps.
+    sums : dict of ndarray
+        Budget terms of `step`, each (n,).
+
+    Returns
+    -------
+    tuple of ndarray
+        Of ice (m of ice) and of snow (m of snow).
+    """
     ice = after.ice_volume.sum(axis=1) - before.ice_volume.sum(axis=1)
     ice = ice - sums["growth"] - sums["snow_ice"] - sums["new_ice"]
     for name in ("melt_top", "melt_bottom", "melt_lateral", "cleared_ice", "sublimation_ice"):
@@ -260,13 +321,43 @@ def water_residual(
 
 
 def salt_residual(before: LayeredState, after: LayeredState, sums: dict[str, Array]) -> Array:
-    """Change of the salt of mush that the terms do not explain (1e-3 m), (n,)."""
+    """Change of the salt of mush that the terms do not explain (1e-3 m), (n,).
+
+    Parameters
+    ----------
+    before : LayeredState
+        Columns at the start and at the end of the steps.
+    after : LayeredState
+        Columns at the start and at the end of the steps.
+    sums : dict of ndarray
+        Budget terms of `step`, each (n,).
+
+    Returns
+    -------
+    ndarray
+        (n,); salinity times thickness.
+    """
     content = [(s.ice_salinity.mean(axis=2) * s.ice_volume).sum(axis=1) for s in (before, after)]
     return np.asarray(content[1] - content[0] - sums["salt_to_ice"])
 
 
 def pond_residual(before: LayeredState, after: LayeredState, sums: dict[str, Array]) -> Array:
-    """Change of the water in ponds that the terms do not explain (m of water), (n,)."""
+    """Change of the water in ponds that the terms do not explain (m of water), (n,).
+
+    Parameters
+    ----------
+    before : LayeredState
+        Columns at the start and at the end of the steps.
+    after : LayeredState
+        Columns at the start and at the end of the steps.
+    sums : dict of ndarray
+        Budget terms of `step`, each (n,).
+
+    Returns
+    -------
+    ndarray
+        (n,); round-off where the budget closes.
+    """
     water = []
     for s in (before, after):
         area = s.ice_fraction * s.level_area * s.pond_area

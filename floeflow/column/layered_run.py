@@ -66,7 +66,32 @@ def advance(
     window: tuple[float, float],
     settings: Settings,
 ) -> tuple[Columns, dict[str, Array]]:
-    """Advance columns over a window; see `floeflow.column.schemes.Scheme`."""
+    """Advance columns over a window; see `floeflow.column.schemes.Scheme`.
+
+    Parameters
+    ----------
+    columns : dict of ndarray
+        By the names of the state's schema; temperatures in K.
+    sample : callable
+        Forcing at the elements at a time (s), by the names of the forcing.
+    window : tuple of float
+        Start and end (s).
+    settings : Settings
+        Scheme, processes, categories and step.
+
+    Returns
+    -------
+    tuple of dict of ndarray
+        Columns at the end of the window; terms of `budget_terms`.
+
+    Raises
+    ------
+    FloeError
+        For a window that is not positive, a forcing variable that is missing, or forcing that is
+        not finite.
+    UnsolvedError
+        Where no temperatures balance the fluxes.
+    """
     p, bounds = layered_physics(settings), category_bounds(settings.categories)
     steps, dt = sub_steps(*window, settings.step)
     state = layered_state(columns, settings)
@@ -89,6 +114,18 @@ def step_forcing(values: dict[str, Array], settings: Settings) -> dict[str, Arra
     """Forcing of a step as the kernel names it; what no effect reads counts as none.
 
     The air at the height of the forcing is taken as it stands for its potential temperature.
+
+    Parameters
+    ----------
+    values : dict of ndarray
+        Forcing at the elements by the names and in the units of the state's forcing, (n,).
+    settings : Settings
+        Whether the sun's height is needed, salinity and depth of the sea, and the air's density.
+
+    Returns
+    -------
+    dict of ndarray
+        By the names of `records.FORCING` (units there), (n,).
     """
     air = values["air_temperature"]
     none = np.zeros_like(air)
@@ -113,7 +150,21 @@ def step_forcing(values: dict[str, Array], settings: Settings) -> dict[str, Arra
 
 
 def stored(columns: Columns, settings: Settings) -> dict[str, Array]:
-    """Energy (J/m2), water and of mush salt (kg/m2) of columns, (n,) each."""
+    """Energy (J/m2), water and of mush salt (kg/m2) of columns, (n,) each.
+
+    Parameters
+    ----------
+    columns : dict of ndarray
+        By the names of the state's schema.
+    settings : Settings
+        Which budgets there are: salt of mush, ponds.
+
+    Returns
+    -------
+    dict of ndarray
+        ``energy`` (J/m2, of ice and snow and of the mixed layer), ``water`` (kg/m2), of mush
+        ``salt`` (kg/m2), with ponds ``pond`` (m of water), (n,).
+    """
     p, state = layered_physics(settings), layered_state(columns, settings)
     energy = ice_energy(state)
     if "sea_temperature" in columns:
@@ -137,7 +188,21 @@ def pond_water(state: LayeredState) -> Array:
 
 
 def budget_terms(sums: dict[str, Array], p: Physics) -> dict[str, Array]:
-    """Terms of the budgets with their signs, by the names of the series, (n,) each."""
+    """Terms of the budgets with their signs, by the names of the series, (n,) each.
+
+    Parameters
+    ----------
+    sums : dict of ndarray
+        Budget terms of the kernel by the names of `records.SUMS`, (n,).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    dict of ndarray
+        ``growth_*`` (m of ice), ``snow_*`` (m of snow), ``energy_*`` and ``light_*`` (J/m2),
+        ``water_*`` and ``salt_*`` (kg/m2), ``pond_*`` (m of water), ``temperature_*`` (counts).
+    """
     melts = ("melt_top", "melt_bottom", "melt_lateral", "cleared_ice")
     drained = p.ice_density * sum(sums[name] for name in melts)
     drained = drained - p.ice_density * (sums["growth"] + sums["new_ice"] + sums["snow_ice"])
@@ -172,7 +237,21 @@ def budget_terms(sums: dict[str, Array], p: Physics) -> dict[str, Array]:
 
 
 def layered_state(columns: Columns, settings: Settings) -> LayeredState:
-    """Columns in the terms of the kernel: degrees Celsius, and arrays for what is absent."""
+    """Columns in the terms of the kernel: degrees Celsius, and arrays for what is absent.
+
+    Parameters
+    ----------
+    columns : dict of ndarray
+        By the names of the state's schema; temperatures in K.
+    settings : Settings
+        Layers, and the freezing point of a sea that has no mixed layer.
+
+    Returns
+    -------
+    LayeredState
+        Fixed salinity profile, no snow, no ponds and a sea at its freezing point where the state
+        has none.
+    """
     fraction, enthalpy = columns["ice_fraction"], columns["ice_enthalpy"]
     count = len(fraction)
     salinity = columns.get("ice_salinity")

@@ -26,7 +26,20 @@ _KEYS = ColumnPhysics()
 
 
 def broadband(visible: float, infrared: float) -> float:
-    """Mean of two albedos over the light of the sun."""
+    """Mean of two albedos over the light of the sun.
+
+    Parameters
+    ----------
+    visible : float
+        Albedo below and above 0.7 um (1).
+    infrared : float
+        Albedo below and above 0.7 um (1).
+
+    Returns
+    -------
+    float
+        With 52 % of the light visible (Hunke et al. 2015).
+    """
     return VISIBLE * visible + INFRARED * infrared
 
 

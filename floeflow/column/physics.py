@@ -216,8 +216,8 @@ class Physics(NamedTuple):
     least_wind: float = 1.0
     windless: float = 1.0
     stability_iterations: int = 5
-    vapour_ice: float = 11637800.0
-    vapour_ice_exponent: float = 5897.8
+    vapour_ice: float = constants.VAPOUR_ICE
+    vapour_ice_exponent: float = constants.VAPOUR_ICE_EXPONENT
     vapour_sea: float = 627572.4
     vapour_sea_exponent: float = 5107.4
     albedo_ice_visible: float = _KEYS.albedo_ice_visible

@@ -250,7 +250,22 @@ class Scratch(NamedTuple):
 
 @jit_making
 def new_scratch(categories, ice_layers, snow_layers):
-    """Return work arrays for a number of categories and layers."""
+    """Return work arrays for a number of categories and layers.
+
+    Parameters
+    ----------
+    categories : int
+        Numbers of categories, of ice layers and of snow layers in each.
+    ice_layers : int
+        Numbers of categories, of ice layers and of snow layers in each.
+    snow_layers : int
+        Numbers of categories, of ice layers and of snow layers in each.
+
+    Returns
+    -------
+    Scratch
+        Zeros.
+    """
     return Scratch(
         np.zeros(categories + 1),
         np.zeros(categories),
@@ -272,6 +287,18 @@ def column_of(columns, e):
     """Column of element e among those of all elements, as views.
 
     For functions that count no references to arrays alone (`physics.jit`).
+
+    Parameters
+    ----------
+    columns : Column
+        Of n elements, (n, ncat) and (n, ncat, layers).
+    e : int
+        Row of the element.
+
+    Returns
+    -------
+    Column
+        Views, (ncat,) and (ncat, layers).
     """
     return Column(
         columns.area[e],
@@ -287,7 +314,20 @@ def column_of(columns, e):
 
 @jit
 def category_salt(c, n):
-    """Salt of category n (1e-3 m)."""
+    """Salt of category n (1e-3 m).
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+    n : int
+        Category.
+
+    Returns
+    -------
+    float
+        Salinity times volume per area of the element.
+    """
     salt = 0.0
     for k in range(c.salinity.shape[1]):
         salt += c.salinity[n, k] * c.ice[n] / c.salinity.shape[1]
@@ -296,7 +336,20 @@ def category_salt(c, n):
 
 @jit
 def category_energy(c, n):
-    """Energy of ice and snow of category n (J/m2, negative)."""
+    """Energy of ice and snow of category n (J/m2, negative).
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+    n : int
+        Category.
+
+    Returns
+    -------
+    float
+        Per area of the element.
+    """
     energy = 0.0
     for k in range(c.ice_enthalpy.shape[1]):
         energy += c.ice_enthalpy[n, k] * c.ice[n] / c.ice_enthalpy.shape[1]
@@ -307,7 +360,17 @@ def category_energy(c, n):
 
 @jit
 def level_amounts(c, n, amounts):
-    """Level area and volume, pond area, water and lids of category n per area of the element."""
+    """Level area and volume, pond area, water and lids of category n per area of the element.
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+    n : int
+        Category.
+    amounts : ndarray
+        Filled with what `Scratch` names in ``level``, (5,); areas 1, volumes m.
+    """
     area = c.area[n] * c.level[n, LEVEL_AREA]
     pond = area * c.level[n, POND_AREA]
     amounts[LEVEL_AREA] = area
@@ -319,7 +382,20 @@ def level_amounts(c, n, amounts):
 
 @jit
 def unit_share(part, whole):
-    """Share of a whole, between 0 and 1; 0 of nothing."""
+    """Share of a whole, between 0 and 1; 0 of nothing.
+
+    Parameters
+    ----------
+    part : float
+        In one unit; the whole may be 0.
+    whole : float
+        In one unit; the whole may be 0.
+
+    Returns
+    -------
+    float
+        part / whole.
+    """
     return min(max(part / whole, 0.0), 1.0) if whole > 0.0 else 0.0
 
 
@@ -328,6 +404,15 @@ def level_shares(c, n, amounts):
     """Set what `level_amounts` gives back as shares and depths.
 
     Of a category that has nearly all gone, round-off may leave more level ice than ice.
+
+    Parameters
+    ----------
+    c : Column
+        Its category's ``level`` is set.
+    n : int
+        Category.
+    amounts : ndarray
+        Amounts per area of the element as `level_amounts` fills them, (5,).
     """
     area, pond = amounts[LEVEL_AREA], amounts[POND_AREA]
     c.level[n, LEVEL_AREA] = unit_share(area, c.area[n])
@@ -340,7 +425,20 @@ def level_shares(c, n, amounts):
 
 @jit
 def category_water(c, n):
-    """Water in the ponds of category n (m of water per area of the element)."""
+    """Water in the ponds of category n (m of water per area of the element).
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+    n : int
+        Category.
+
+    Returns
+    -------
+    float
+        Depth times share of the element's area.
+    """
     pond = c.area[n] * c.level[n, LEVEL_AREA] * c.level[n, POND_AREA]
     return pond * c.level[n, POND_DEPTH]
 

@@ -60,7 +60,7 @@ def scheme_of(settings: Settings) -> Scheme:
     """
     if settings.scheme not in SCHEMES:
         known = ", ".join(SCHEMES)
-        raise FloeError(f"column.scheme: '{settings.scheme}' is no scheme; known are {known}")
+        raise FloeError(f"column.scheme: unknown scheme '{settings.scheme}'; known are {known}")
     return SCHEMES[settings.scheme]
 
 
@@ -121,7 +121,20 @@ _PROCESS_TERMS = {
 
 
 def named_terms(terms: dict[str, Array], settings: Settings) -> dict[str, Array]:
-    """Terms without those of processes that are not simulated, which are zero."""
+    """Terms without those of processes that are not simulated, which are zero.
+
+    Parameters
+    ----------
+    terms : dict of ndarray
+        By the names of the series, (n,).
+    settings : Settings
+        Which processes are simulated.
+
+    Returns
+    -------
+    dict of ndarray
+        The rest, unchanged.
+    """
     absent = {
         term for process, its in _PROCESS_TERMS.items() if not settings.has(process) for term in its
     }

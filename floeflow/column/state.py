@@ -96,8 +96,8 @@ class ColumnFluxes:
     energy_snowfall : ndarray
         Brought by the snow on ice and in leads, negative (J/m2), (n,).
     energy_to_ocean : ndarray
-        Heat that found nothing to melt, handed back to the ocean; negative where the sea pays
-        for snow that lost its ice (J/m2), (n,).
+        Heat that found nothing to melt, handed back to the ocean; negative where the sea melts
+        snow that lost its ice (J/m2), (n,).
     growth_base, new_ice : ndarray
         Ice grown at the bottom, ice born in open water (m), (n, ncat).
     melt_top, melt_base, melt_lateral : ndarray
@@ -127,17 +127,56 @@ class ColumnFluxes:
 
 
 def take(state: ColumnState, part: slice | NDArray[np.intp]) -> ColumnState:
-    """Columns of some elements: what a rank works on."""
+    """Columns of some elements: what a rank works on.
+
+    Parameters
+    ----------
+    state : ColumnState
+        Columns of n elements.
+    part : slice or ndarray of int
+        Rows of the elements.
+
+    Returns
+    -------
+    ColumnState
+        The same arrays, their rows alone.
+    """
     return ColumnState(**{f.name: getattr(state, f.name)[part] for f in fields(state)})
 
 
 def add(a: ColumnFluxes, b: ColumnFluxes) -> ColumnFluxes:
-    """Sum of what two successive steps moved."""
+    """Sum of what two successive steps moved.
+
+    Parameters
+    ----------
+    a : ColumnFluxes
+        Of the first and of the second step.
+    b : ColumnFluxes
+        Of the first and of the second step.
+
+    Returns
+    -------
+    ColumnFluxes
+        Each term summed.
+    """
     return ColumnFluxes(**{f.name: getattr(a, f.name) + getattr(b, f.name) for f in fields(a)})
 
 
 def column_energy(state: ColumnState, params: ColumnParams) -> Array:
-    """Energy of ice and snow against liquid water (J/m2, negative), (n,)."""
+    """Energy of ice and snow against liquid water (J/m2, negative), (n,).
+
+    Parameters
+    ----------
+    state : ColumnState
+        Columns.
+    params : ColumnParams
+        Constants.
+
+    Returns
+    -------
+    ndarray
+        L_f (rho_i v_i + rho_s v_s), negative.
+    """
     ice = params.ice_energy * state.ice_volume
     snow = params.snow_energy * state.snow_volume
     return np.asarray(-(ice + snow).sum(axis=1))
@@ -146,20 +185,67 @@ def column_energy(state: ColumnState, params: ColumnParams) -> Array:
 def energy_residual(
     before: ColumnState, after: ColumnState, fluxes: ColumnFluxes, params: ColumnParams
 ) -> Array:
-    """Change of the columns' energy that the fluxes do not explain (J/m2), (n,)."""
+    """Change of the columns' energy that the fluxes do not explain (J/m2), (n,).
+
+    Parameters
+    ----------
+    before : ColumnState
+        Columns at the start and at the end of a step, or of more.
+    after : ColumnState
+        Columns at the start and at the end of a step, or of more.
+    fluxes : ColumnFluxes
+        What was moved meanwhile.
+    params : ColumnParams
+        Constants.
+
+    Returns
+    -------
+    ndarray
+        Round-off where the budget closes.
+    """
     change = column_energy(after, params) - column_energy(before, params)
     gained = fluxes.energy_atmosphere + fluxes.energy_ocean + fluxes.energy_snowfall
     return np.asarray(change - (gained - fluxes.energy_to_ocean))
 
 
 def ice_residual(before: ColumnState, after: ColumnState, fluxes: ColumnFluxes) -> Array:
-    """Change of ice volume that the named terms do not explain (m), (n, ncat)."""
+    """Change of ice volume that the named terms do not explain (m), (n, ncat).
+
+    Parameters
+    ----------
+    before : ColumnState
+        Columns at the start and at the end of a step, or of more.
+    after : ColumnState
+        Columns at the start and at the end of a step, or of more.
+    fluxes : ColumnFluxes
+        What was moved meanwhile.
+
+    Returns
+    -------
+    ndarray
+        Round-off where the budget closes, but for what remapping moves between categories.
+    """
     grown = fluxes.growth_base + fluxes.new_ice
     lost = fluxes.melt_top + fluxes.melt_base + fluxes.melt_lateral + fluxes.sublimation_ice
     return np.asarray(after.ice_volume - before.ice_volume - (grown - lost))
 
 
 def snow_residual(before: ColumnState, after: ColumnState, fluxes: ColumnFluxes) -> Array:
-    """Change of snow volume that the named terms do not explain (m), (n, ncat)."""
+    """Change of snow volume that the named terms do not explain (m), (n, ncat).
+
+    Parameters
+    ----------
+    before : ColumnState
+        Columns at the start and at the end of a step, or of more.
+    after : ColumnState
+        Columns at the start and at the end of a step, or of more.
+    fluxes : ColumnFluxes
+        What was moved meanwhile.
+
+    Returns
+    -------
+    ndarray
+        Round-off where the budget closes, but for what remapping moves between categories.
+    """
     lost = fluxes.snow_melt + fluxes.sublimation_snow
     return np.asarray(after.snow_volume - before.snow_volume - (fluxes.snowfall - lost))

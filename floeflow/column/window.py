@@ -18,6 +18,15 @@ from floeflow.core.errors import FloeError
 def sub_steps(t0: float, t1: float, longest: float) -> tuple[int, float]:
     """Number and length (s) of equal steps from t0 to t1, none above the longest.
 
+    Parameters
+    ----------
+    t0 : float
+        s, t0 < t1.
+    t1 : float
+        s, t0 < t1.
+    longest : float
+        s, positive.
+
     Raises
     ------
     FloeError

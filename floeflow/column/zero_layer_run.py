@@ -21,7 +21,31 @@ def advance(
     window: tuple[float, float],
     settings: Settings,
 ) -> tuple[Columns, dict[str, Array]]:
-    """Advance columns over a window; see `floeflow.column.schemes.Scheme`."""
+    """Advance columns over a window; see `floeflow.column.schemes.Scheme`.
+
+    Parameters
+    ----------
+    columns : dict of ndarray
+        By the names of the state's schema; temperatures in K.
+    sample : callable
+        Forcing at the elements at a time (s), by the names of the forcing.
+    window : tuple of float
+        Start and end (s).
+    settings : Settings
+        Processes, categories and step.
+
+    Returns
+    -------
+    tuple of dict of ndarray
+        Columns at the end of the window; terms of `budget_terms`.
+
+    Raises
+    ------
+    FloeError
+        For a window that is not positive, or ice without area.
+    UnsolvedError
+        Where no temperature balances the fluxes.
+    """
     params = zero_layer_params(settings)
     state, sea = _state(columns), _sea(columns)
 
@@ -36,7 +60,20 @@ def advance(
 
 
 def stored(columns: Columns, settings: Settings) -> dict[str, Array]:
-    """Energy (J/m2) and water (kg/m2) of columns, (n,) each."""
+    """Energy (J/m2) and water (kg/m2) of columns, (n,) each.
+
+    Parameters
+    ----------
+    columns : dict of ndarray
+        By the names of the state's schema.
+    settings : Settings
+        Depth and freezing point of the mixed layer.
+
+    Returns
+    -------
+    dict of ndarray
+        ``energy`` of ice, snow and mixed layer, ``water`` of ice and snow.
+    """
     params, state, sea = zero_layer_params(settings), _state(columns), _sea(columns)
     energy = column_energy(state, params)
     if sea is not None:
@@ -46,7 +83,20 @@ def stored(columns: Columns, settings: Settings) -> dict[str, Array]:
 
 
 def column_forcing(values: dict[str, Array], count: int) -> ColumnForcing:
-    """Forcing of a step; what no effect reads is not there and counts as none."""
+    """Forcing of a step; what no effect reads is not there and counts as none.
+
+    Parameters
+    ----------
+    values : dict of ndarray
+        Forcing at the elements by the names and in the units of the state's forcing, (n,).
+    count : int
+        Number of elements.
+
+    Returns
+    -------
+    ColumnForcing
+        Zeros for snowfall, short-wave radiation and friction where they are not there.
+    """
     none = np.zeros(count)
     return ColumnForcing(
         air_temperature=values["air_temperature"],
@@ -62,7 +112,20 @@ def column_forcing(values: dict[str, Array], count: int) -> ColumnForcing:
 
 
 def budget_terms(fluxes: ColumnFluxes, params: ColumnParams) -> dict[str, Array]:
-    """Terms of the budgets with their signs, by the names of the series, (n,) each."""
+    """Terms of the budgets with their signs, by the names of the series, (n,) each.
+
+    Parameters
+    ----------
+    fluxes : ColumnFluxes
+        What the steps moved.
+    params : ColumnParams
+        Constants.
+
+    Returns
+    -------
+    dict of ndarray
+        ``growth_*`` (m of ice), ``snow_*`` (m of snow), ``energy_*`` (J/m2), ``water_*`` (kg/m2).
+    """
     total = {
         name: getattr(fluxes, name).sum(axis=1)
         for name in (

@@ -72,7 +72,20 @@ def transfer(
 
 
 def corners_on(source: AnySource, plane: pyproj.CRS) -> tuple[Array, Array]:
-    """Corners of a source's cells on a map (m), x and y, each (ny + 1, nx + 1)."""
+    """Corners of a source's cells on a map (m), x and y, each (ny + 1, nx + 1).
+
+    Parameters
+    ----------
+    source : AnySource
+        Grid of a file.
+    plane : pyproj.CRS
+        Projection.
+
+    Returns
+    -------
+    tuple of ndarray
+        NaN where a corner has no place on the map.
+    """
     if isinstance(source, Curvilinear):
         x, y = from_lonlat(plane, source.lon, source.lat)
         return _between(x), _between(y)
@@ -103,7 +116,20 @@ def _between(values: Array) -> Array:
 
 
 def typical_size(corners: tuple[Array, Array], grid: Grid) -> float | None:
-    """Median of the longer sides of the source cells that meet the grid (m), None without any."""
+    """Median of the longer sides of the source cells that meet the grid (m), None without any.
+
+    Parameters
+    ----------
+    corners : tuple of ndarray
+        x and y (m), (ny + 1, nx + 1) each.
+    grid : Grid
+        Cells.
+
+    Returns
+    -------
+    float or None
+        m.
+    """
     ring = _rings(corners)
     near = _near(ring, grid)
     if not near.any():
@@ -139,7 +165,24 @@ def _near(ring: Array, grid: Grid) -> NDArray[np.bool_]:
 def area_means(
     source: AnySource, grid: Grid, corners: tuple[Array, Array], size: float
 ) -> AreaMeans:
-    """Weights by the area that source cells share with the cells of a grid."""
+    """Weights by the area that source cells share with the cells of a grid.
+
+    Parameters
+    ----------
+    source : AnySource
+        Grid of a file.
+    grid : Grid
+        Cells.
+    corners : tuple of ndarray
+        x and y (m), (ny + 1, nx + 1) each.
+    size : float
+        Typical size of the source's cells (m).
+
+    Returns
+    -------
+    AreaMeans
+        Weights of the source's cells for each cell of the grid.
+    """
     ring = _rings(corners)
     with np.errstate(invalid="ignore"):
         wide = (ring.max(axis=1) - ring.min(axis=1)).max(axis=1) > WIDEST * max(size, grid.spacing)

@@ -13,7 +13,7 @@ from floeflow.core.errors import FloeError
 
 
 @contextlib.contextmanager
-def write_whole(path: Path) -> Iterator[Path]:
+def write_atomically(path: Path) -> Iterator[Path]:
     """Give the place of a temporary file that becomes a file when its content is there.
 
     A reader sees the old file or the new one, never a half; after a fault the old one stays.
@@ -50,6 +50,19 @@ def write_whole(path: Path) -> Iterator[Path]:
 
 
 def write_text(text: str, path: Path) -> None:
-    """Write a text file; see `write_whole`."""
-    with write_whole(path) as temporary:
+    """Write a text file; see `write_atomically`.
+
+    Parameters
+    ----------
+    text : str
+        Written as UTF-8.
+    path : Path
+        Replaced in one step.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be written.
+    """
+    with write_atomically(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

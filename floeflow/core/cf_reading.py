@@ -73,6 +73,13 @@ class Layout:
 def describe(path: str | Path, hints: Hints | None = None) -> dict[str, Variable]:
     """Variables of a file.
 
+    Parameters
+    ----------
+    path : str or Path
+        File.
+    hints : Hints, optional
+        What the scene says of the file.
+
     Raises
     ------
     FloeError
@@ -99,6 +106,17 @@ def variables_of(data: xr.Dataset) -> dict[str, Variable]:
 def named(variables: dict[str, Variable], name: str, path: str | Path, key: str) -> Variable:
     """The variable of this name.
 
+    Parameters
+    ----------
+    variables : dict of Variable
+        Of the file, by name.
+    name : str
+        Name that is asked for.
+    path : str or Path
+        Of the file, for messages.
+    key : str
+        Key of the scene that asks.
+
     Raises
     ------
     FloeError
@@ -117,12 +135,34 @@ def _listed(variables: Iterable[str]) -> str:
 
 
 def by_standard_name(variables: dict[str, Variable], standard_name: str) -> list[Variable]:
-    """Variables that carry this CF standard name."""
+    """Variables that carry this CF standard name.
+
+    Parameters
+    ----------
+    variables : dict of Variable
+        Of the file, by name.
+    standard_name : str
+        CF standard name.
+
+    Returns
+    -------
+    list of Variable
+        In the order of the file.
+    """
     return [item for item in variables.values() if item.text("standard_name") == standard_name]
 
 
 def layout(variables: dict[str, Variable], variable: Variable, path: str | Path) -> Layout:
     """Find which dimension of a variable is which.
+
+    Parameters
+    ----------
+    variables : dict of Variable
+        Of the file, by name.
+    variable : Variable
+        One of them.
+    path : str or Path
+        Of the file, for messages.
 
     Raises
     ------
@@ -156,6 +196,15 @@ def own_axes(
 ) -> tuple[str, str, str, str]:
     """Time and level of a variable as `Layout` has them: time, level, stamp and height.
 
+    Parameters
+    ----------
+    variables : dict of Variable
+        Of the file, by name.
+    variable : Variable
+        One of them.
+    path : str or Path
+        Of the file, for messages.
+
     Raises
     ------
     FloeError
@@ -180,7 +229,20 @@ def _roles(variables: dict[str, Variable], variable: Variable, path: str | Path)
 
 
 def has_mapping(variables: dict[str, Variable], variable: Variable) -> bool:
-    """Whether a variable names a grid mapping that is there."""
+    """Whether a variable names a grid mapping that is there.
+
+    Parameters
+    ----------
+    variables : dict of Variable
+        Of the file, by name.
+    variable : Variable
+        One of them.
+
+    Returns
+    -------
+    bool
+        False where it names none.
+    """
     return variable.text("grid_mapping").split(":")[0] in variables
 
 
@@ -278,7 +340,20 @@ def _refuse_dims(variables: dict[str, Variable], variable: Variable, path: str |
 
 
 def dimension_kind(variables: dict[str, Variable], dim: str) -> str:
-    """What a dimension is: latitude, longitude, projected x or y, time, level; or empty."""
+    """What a dimension is: latitude, longitude, projected x or y, time, level; or empty.
+
+    Parameters
+    ----------
+    variables : dict of Variable
+        Of the file, by name.
+    dim : str
+        Name of the dimension.
+
+    Returns
+    -------
+    str
+        As `coordinate_kinds.kind_of` says it.
+    """
     coordinate = variables.get(dim)
     if coordinate is None or coordinate.dims != (dim,):
         return ""
@@ -300,6 +375,15 @@ def projection(variables: dict[str, Variable], variable: Variable, path: str | P
 
     A WKT or PROJ text is taken before the CF parameters, which more often leave out the earth's
     figure.
+
+    Parameters
+    ----------
+    variables : dict of Variable
+        Of the file, by name.
+    variable : Variable
+        One of them.
+    path : str or Path
+        Of the file, for messages.
 
     Raises
     ------
@@ -323,5 +407,5 @@ def projection(variables: dict[str, Variable], variable: Variable, path: str | P
     except (CRSError, KeyError, TypeError, ValueError):
         raise FloeError(f"{path}: the grid mapping '{name}' names no known projection") from None
     if not crs.is_projected:
-        raise FloeError(f"{path}: the grid mapping '{name}' is no projection in metres")
+        raise FloeError(f"{path}: the grid mapping '{name}' is not a projection in metres")
     return crs

@@ -21,6 +21,15 @@ PATIENCE_SECONDS = 5.0
 def on_root(comm: MPI.Comm, function: Callable[..., T], *arguments: object) -> T:
     """Result of a function that only rank 0 calls, given to every rank; so is its fault.
 
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Ranks of the run.
+    function : callable
+        Called with the arguments.
+    arguments : object
+        Of the function.
+
     Raises
     ------
     FloeError
@@ -40,6 +49,15 @@ def on_root(comm: MPI.Comm, function: Callable[..., T], *arguments: object) -> T
 
 def on_all(comm: MPI.Comm, function: Callable[..., T], *arguments: object) -> T:
     """Result of a function that every rank calls on its own; a fault of one is a fault of all.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Ranks of the run.
+    function : callable
+        Called with the arguments.
+    arguments : object
+        Of the function.
 
     Raises
     ------

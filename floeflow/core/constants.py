@@ -18,5 +18,8 @@ STEFAN_BOLTZMANN = 5.67e-8  # W m-2 K-4
 MELTING_SLOPE = 0.054  # K per 1e-3 of salinity
 LATENT_FUSION = 3.34e5  # J kg-1
 LATENT_VAPOUR = 2.501e6  # J kg-1
+# Density of vapour at saturation over ice, VAPOUR_ICE exp(-VAPOUR_ICE_EXPONENT / T).
+VAPOUR_ICE = 11637800.0  # kg m-3
+VAPOUR_ICE_EXPONENT = 5897.8  # K
 HEAT_AIR = 1005.0  # J kg-1 K-1
 GAS_AIR = 287.05  # J kg-1 K-1, dry air

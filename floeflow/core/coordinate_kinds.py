@@ -49,7 +49,20 @@ def seconds_in(unit: str) -> float | None:
 
 
 def text(attrs: Mapping[str, Any], name: str) -> str:
-    """An attribute as stripped text, empty where there is none."""
+    """An attribute as stripped text, empty where there is none.
+
+    Parameters
+    ----------
+    attrs : mapping of object
+        Attributes of a variable.
+    name : str
+        Of the attribute.
+
+    Returns
+    -------
+    str
+        Without blanks at its ends.
+    """
     return str(attrs.get(name, "")).strip()
 
 
@@ -92,7 +105,20 @@ def is_pressure(unit: str) -> bool:
 
 
 def standard_name(name: str, attrs: Mapping[str, Any]) -> str:
-    """The CF standard name that says what `kind_of` found."""
+    """The CF standard name that says what `kind_of` found.
+
+    Parameters
+    ----------
+    name : str
+        Of the variable.
+    attrs : mapping of object
+        Its attributes.
+
+    Returns
+    -------
+    str
+        Empty where nothing tells.
+    """
     found = kind_of(name, attrs)
     if found.startswith("projected"):
         return f"projection_{found[-1]}_coordinate"

@@ -113,6 +113,13 @@ def shape_of(source: AnySource) -> tuple[int, int]:
 def open_file(path: str | Path, hints: Hints | None = None) -> xr.Dataset:
     """Open a file lazily, values and times as stored, coordinates in order.
 
+    Parameters
+    ----------
+    path : str or Path
+        File.
+    hints : Hints, optional
+        What the scene says of the file.
+
     Raises
     ------
     FloeError
@@ -129,7 +136,33 @@ def surface_level(
     path: str | Path,
     wanted: float = 0.0,
 ) -> levels.Level | None:
-    """The level of a variable that is read, None where it has no levels; see `levels.surface`."""
+    """The level of a variable that is read, None where it has no levels; see `levels.surface`.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of the file, not decoded.
+    name : str
+        Of the variable.
+    layout : cf.Layout
+        Its dimensions.
+    ocean : bool
+        Whether levels are depths in the sea, else heights.
+    path : str or Path
+        Of the file, for messages.
+    wanted : float, optional
+        Depth or height (m).
+
+    Returns
+    -------
+    levels.Level or None
+        Its index and place.
+
+    Raises
+    ------
+    FloeError
+        For levels that cannot be told, or none near enough.
+    """
     axis = layout.level or layout.height
     if not axis:
         return None
@@ -153,6 +186,23 @@ def read_values(
     Of several levels ``level`` is taken; without it the one nearest the sea's surface, see
     `levels.surface`.
 
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of the file, not decoded.
+    name : str
+        Of the variable.
+    layout : cf.Layout
+        Its dimensions.
+    source : AnySource
+        Its grid.
+    times : Index
+        Rows of the time axis.
+    path : str or Path
+        Of the file, for messages.
+    level : int, optional
+        Index of the level.
+
     Returns
     -------
     ndarray
@@ -175,7 +225,35 @@ def read_unpacked(
     path: str | Path,
     level: int | None = None,
 ) -> Values:
-    """As `read_values`, with the flags that tell why values are missing."""
+    """As `read_values`, with the flags that tell why values are missing.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of the file, not decoded.
+    name : str
+        Of the variable.
+    layout : cf.Layout
+        Its dimensions.
+    source : AnySource
+        Its grid.
+    times : Index
+        Rows of the time axis.
+    path : str or Path
+        Of the file, for messages.
+    level : int, optional
+        Index of the level; None without levels.
+
+    Returns
+    -------
+    Values
+        (times, ny, nx), missing values NaN.
+
+    Raises
+    ------
+    FloeError
+        For values that cannot be unpacked.
+    """
     raw = _stored(data, name, layout, times, path, level)
     found = unpack(raw, data[name].attrs)
     flags = {kind: _ordered(hit, source).astype(bool) for kind, hit in found.flags.items()}
@@ -190,7 +268,28 @@ def read_flags(
     times: Index,
     path: str | Path,
 ) -> dict[str, Flags]:
-    """Where a status flag tells of land, (times, ny, nx); see `unpack.status_flags`."""
+    """Where a status flag tells of land, (times, ny, nx); see `unpack.status_flags`.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of the file, not decoded.
+    name : str
+        Of the variable.
+    layout : cf.Layout
+        Its dimensions.
+    source : AnySource
+        Its grid.
+    times : Index
+        Rows of the time axis.
+    path : str or Path
+        Of the file, for messages.
+
+    Returns
+    -------
+    dict of Flags
+        By kind of flag; empty where there is no status flag.
+    """
     found = status_flags(_stored(data, name, layout, times, path), data[name].attrs)
     return {kind: _ordered(hit, source).astype(bool) for kind, hit in found.items()}
 
@@ -240,6 +339,19 @@ def source_grid(
     path: str | Path,
 ) -> AnySource:
     """Horizontal grid of a variable.
+
+    Parameters
+    ----------
+    variables : dict of cf.Variable
+        Of the file, by name.
+    variable : cf.Variable
+        One of them.
+    layout : cf.Layout
+        Its dimensions.
+    data : xarray.Dataset
+        Of the file, not decoded.
+    path : str or Path
+        Of the file, for messages.
 
     Raises
     ------

@@ -96,7 +96,20 @@ class Grid:
         return x, y
 
     def cell_of(self, x: Array, y: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Row and column of the cells in which points lie; points outside get the nearest."""
+        """Row and column of the cells in which points lie; points outside get the nearest.
+
+        Parameters
+        ----------
+        x : ndarray
+            m, (n,).
+        y : ndarray
+            m, (n,).
+
+        Returns
+        -------
+        tuple of ndarray
+            (n,) each.
+        """
         column = np.floor((x - self.x_min) / self.spacing).astype(np.int64)
         row = np.floor((y - self.y_min) / self.spacing).astype(np.int64)
         return np.clip(row, 0, self.y.size - 1), np.clip(column, 0, self.x.size - 1)
@@ -117,7 +130,20 @@ def scene_grid(domain: Domain) -> Grid:
 
 
 def mask_grid(domain: Domain, refine: int) -> Grid:
-    """Grid of ice and land: cells of ``domain.spacing / refine``."""
+    """Grid of ice and land: cells of ``domain.spacing / refine``.
+
+    Parameters
+    ----------
+    domain : Domain
+        Rectangle (m) and spacing (m).
+    refine : int
+        Cells of the mask along a side of a cell of the grid.
+
+    Returns
+    -------
+    Grid
+        Cells.
+    """
     return _grid(domain, refine)
 
 
@@ -134,7 +160,7 @@ def scene_crs(domain: Domain) -> pyproj.CRS:
     except CRSError:
         raise FloeError(f"domain.crs: '{domain.crs}' names no coordinate system") from None
     if not crs.is_projected or any(axis.unit_name != "metre" for axis in crs.axis_info[:2]):
-        raise FloeError(f"domain.crs: '{domain.crs}' is no projection in metres")
+        raise FloeError(f"domain.crs: '{domain.crs}' is not a projection in metres")
     return crs
 
 
@@ -153,6 +179,15 @@ def metres_per_unit(crs: pyproj.CRS) -> float:
 
 def to_lonlat(crs: pyproj.CRS, x: Array, y: Array) -> tuple[Array, Array]:
     """Longitude and latitude (degrees) of projected points (m), on the projection's ellipsoid.
+
+    Parameters
+    ----------
+    crs : pyproj.CRS
+        Projection.
+    x : ndarray
+        m, of one shape.
+    y : ndarray
+        m, of one shape.
 
     Raises
     ------
@@ -175,7 +210,22 @@ def to_lonlat(crs: pyproj.CRS, x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def from_lonlat(crs: pyproj.CRS, lon: Array, lat: Array) -> tuple[Array, Array]:
-    """Projected points (m) of longitudes and latitudes (degrees) on the projection's ellipsoid."""
+    """Projected points (m) of longitudes and latitudes (degrees) on the projection's ellipsoid.
+
+    Parameters
+    ----------
+    crs : pyproj.CRS
+        Projection.
+    lon : ndarray
+        Degrees.
+    lat : ndarray
+        Degrees.
+
+    Returns
+    -------
+    tuple of ndarray
+        x and y, of the shape of ``lon``.
+    """
     transformer = pyproj.Transformer.from_crs(geodetic(crs), crs, always_xy=True)
     # PROJ refuses longitudes of several turns.
     x, y = transformer.transform(np.mod(lon, 360.0), lat)
@@ -187,6 +237,13 @@ def cell_area(grid: Grid, crs: pyproj.CRS) -> Array:
     """Area of the cells on the earth.
 
     The plane area over the projection's areal scale (Snyder 1987, eq. 4-13) at the cell's centre.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells.
+    crs : pyproj.CRS
+        Their projection.
 
     Returns
     -------
@@ -204,7 +261,20 @@ def cell_area(grid: Grid, crs: pyproj.CRS) -> Array:
 
 
 def overlaps(edges: Array, others: Array) -> sparse.csr_matrix:
-    """Length (m) that the intervals between edges share with those between others, (n, m)."""
+    """Length (m) that the intervals between edges share with those between others, (n, m).
+
+    Parameters
+    ----------
+    edges : ndarray
+        m, ascending, (n + 1,).
+    others : ndarray
+        m, ascending, (m + 1,).
+
+    Returns
+    -------
+    scipy.sparse.csr_matrix
+        m.
+    """
     first = np.clip(np.searchsorted(others, edges[:-1], side="right") - 1, 0, None)
     last = np.clip(np.searchsorted(others, edges[1:], side="left"), None, len(others) - 1)
     count = np.maximum(last - first, 0)

@@ -53,6 +53,13 @@ class Hints:
 def open_input(path: str | Path, hints: Hints | None = None) -> xr.Dataset:
     """Open a file lazily; values as stored, coordinates in order.
 
+    Parameters
+    ----------
+    path : str or Path
+        File.
+    hints : Hints, optional
+        What the scene says of the file.
+
     Raises
     ------
     FloeError

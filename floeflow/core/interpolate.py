@@ -167,7 +167,20 @@ def triangle_weights(source: Curvilinear, plane: pyproj.CRS, lon: Array, lat: Ar
 
 
 def local_spacing(x: Array, y: Array) -> Array:
-    """Longer of the distances to the next points along both axes of a grid (m), (ny, nx)."""
+    """Longer of the distances to the next points along both axes of a grid (m), (ny, nx).
+
+    Parameters
+    ----------
+    x : ndarray
+        m, (ny, nx).
+    y : ndarray
+        m, (ny, nx).
+
+    Returns
+    -------
+    ndarray
+        NaN for a point without known neighbours.
+    """
     far = np.full(x.shape, np.nan)
     with np.errstate(invalid="ignore"):
         along = np.hypot(np.diff(x, axis=1), np.diff(y, axis=1))
@@ -229,7 +242,22 @@ def fill_nearest(values: Array, source: AnySource, reach: float) -> Array:
 
 
 def at_times(seconds: Array, values: Array, wanted: Array) -> Array:
-    """Linear in time: (file's times, place) to (wanted, place); steady values stay."""
+    """Linear in time: (file's times, place) to (wanted, place); steady values stay.
+
+    Parameters
+    ----------
+    seconds : ndarray
+        Of the file (s), ascending, (times,).
+    values : ndarray
+        (times, places).
+    wanted : ndarray
+        s, (k,).
+
+    Returns
+    -------
+    ndarray
+        (k, places); read-only for steady values.
+    """
     if seconds.size == 0:
         return np.broadcast_to(values, (wanted.size, values.shape[1]))
     if seconds.size == 1:

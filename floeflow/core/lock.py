@@ -123,6 +123,13 @@ def hold_job(folder: Path) -> Iterator[int]:
 def hold_alone(path: Path, what: str) -> Iterator[int]:
     """Hold a lock file alone; yields the descriptor, for children to inherit.
 
+    Parameters
+    ----------
+    path : Path
+        Lock file, made where it is missing.
+    what : str
+        What it guards, for the message.
+
     Raises
     ------
     FloeError
@@ -145,6 +152,13 @@ def clear_stale_locks(folder: Path, snakemake_folder: Path = Path(".snakemake"))
     """Remove Snakemake's own locks on files of a scene; only the scene's holder may call this.
 
     Snakemake keeps the names of locked files in ``.snakemake/locks``; after ``kill -9`` they stay.
+
+    Parameters
+    ----------
+    folder : Path
+        Results of the scene, relative to Snakemake's working folder.
+    snakemake_folder : Path, optional
+        Where Snakemake keeps its records.
 
     Returns
     -------

@@ -14,7 +14,7 @@ def check_mesh_file(path: Path) -> None:
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
-            raise FloeError(f"{path}: is no file, so no mesh can be read from it")
+            raise FloeError(f"{path}: is not a file, so no mesh can be read from it")
         with path.open("rb") as file:
             head = file.read(84)
     except OSError as error:

@@ -17,7 +17,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from floeflow.core.atomic_write import write_whole
+from floeflow.core.atomic_write import write_atomically
 from floeflow.core.errors import FloeError
 from floeflow.core.mesh_check import check_mesh_file
 
@@ -59,7 +59,7 @@ def write_polygons(
         blocks,
         cell_data={name: [values[row] for row in rows] for name, values in cell_data.items()},
     )
-    with write_whole(path) as temporary:
+    with write_atomically(path) as temporary:
         mesh.write(temporary, file_format="vtu")
 
 
@@ -115,7 +115,7 @@ def write_triangles(path: Path, points: Array, triangles: Index) -> None:
     FloeError
         Where the file cannot be written.
     """
-    with write_whole(path) as temporary:
+    with write_atomically(path) as temporary:
         meshio.write(temporary, meshio.Mesh(points, [("triangle", triangles)]), path.suffix[1:])
 
 
@@ -147,7 +147,7 @@ def read_triangles(path: Path) -> tuple[Array, Index]:
     except OSError as error:
         raise FloeError(f"{path}: the mesh cannot be read: {error.strerror}") from None
     except (Exception, SystemExit):  # meshio ends the process where it knows no format
-        raise FloeError(f"{path}: is no triangle mesh that can be read") from None
+        raise FloeError(f"{path}: is not a triangle mesh that can be read") from None
     other = cells - {"triangle"}
     if len(triangles) == 0 or other:
         found = ", ".join(sorted(other)) or "nothing"
@@ -179,5 +179,5 @@ def write_series(path: Path, files: Sequence[str], times: Sequence[float]) -> No
     for file, time in zip(files, times, strict=True):
         ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=file)
     ElementTree.indent(root)
-    with write_whole(path) as temporary:
+    with write_atomically(path) as temporary:
         ElementTree.ElementTree(root).write(temporary, xml_declaration=True)

@@ -20,7 +20,20 @@ YEAR = 365.0  # days
 
 
 def days_of_year(start: datetime, seconds: Array) -> Array:
-    """Days since the year's first, with fractions, of times in seconds since a start."""
+    """Days since the year's first, with fractions, of times in seconds since a start.
+
+    Parameters
+    ----------
+    start : datetime
+        Time of 0 s.
+    seconds : ndarray
+        s, (n,).
+
+    Returns
+    -------
+    ndarray
+        Days, (n,).
+    """
     found = []
     for each in np.atleast_1d(seconds):
         now = start + timedelta(seconds=float(each))
@@ -34,6 +47,18 @@ def at_day(table: Array, day: Array) -> Array:
 
     A spline through the middles of the months; where it would pass the table's bounds (a cover
     above 1) it is held there.
+
+    Parameters
+    ----------
+    table : ndarray
+        One row a month, (12, ...).
+    day : ndarray
+        Day of the year, from 0, (n,).
+
+    Returns
+    -------
+    ndarray
+        In the unit of the table.
     """
     table = np.asarray(table, dtype=float)
     knots = np.append(MIDDLES, MIDDLES[0] + YEAR)
@@ -42,13 +67,39 @@ def at_day(table: Array, day: Array) -> Array:
 
 
 def unit(lon: Array, lat: Array) -> Array:
-    """Unit vectors of places (degrees), (..., 3)."""
+    """Unit vectors of places (degrees), (..., 3).
+
+    Parameters
+    ----------
+    lon : ndarray
+        Degrees.
+    lat : ndarray
+        Degrees.
+
+    Returns
+    -------
+    ndarray
+        1.
+    """
     lam, phi = np.radians(lon), np.radians(lat)
     return np.stack([np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)], axis=-1)
 
 
 def east_north(lon: Array, lat: Array) -> tuple[Array, Array]:
-    """Unit vectors that point east and north at places, (..., 3) each."""
+    """Unit vectors that point east and north at places, (..., 3) each.
+
+    Parameters
+    ----------
+    lon : ndarray
+        Degrees.
+    lat : ndarray
+        Degrees.
+
+    Returns
+    -------
+    tuple of ndarray
+        1.
+    """
     lam, phi = np.radians(lon), np.radians(lat)
     east = np.stack([-np.sin(lam), np.cos(lam), np.zeros_like(lam)], axis=-1)
     north = np.stack([-np.sin(phi) * np.cos(lam), -np.sin(phi) * np.sin(lam), np.cos(phi)], axis=-1)
@@ -79,6 +130,23 @@ def blend(lon: Array, lat: Array, stations: Array, reach: float) -> Array:
 
 
 def bump(lon: Array, lat: Array, place: tuple[float, float], width: float) -> Array:
-    """A bell of height 1 around a place (longitude, latitude), with a width (m), (n,)."""
+    """A bell of height 1 around a place (longitude, latitude), with a width (m), (n,).
+
+    Parameters
+    ----------
+    lon : ndarray
+        Degrees.
+    lat : ndarray
+        Degrees.
+    place : tuple of float
+        Longitude and latitude of its middle (degrees).
+    width : float
+        m.
+
+    Returns
+    -------
+    ndarray
+        0 to 1.
+    """
     cosine = unit(lon, lat) @ unit(np.array(place[0]), np.array(place[1]))
     return np.asarray(np.exp((cosine - 1.0) * (EARTH_RADIUS / width) ** 2))

@@ -59,7 +59,20 @@ class NearLines:
 
 
 def near_lines(ends: Array, reach: float) -> NearLines:
-    """Sort lines (m), (m, 2, 2), for a search of a reach (m) above 0."""
+    """Sort lines (m), (m, 2, 2), for a search of a reach (m) above 0.
+
+    Parameters
+    ----------
+    ends : ndarray
+        m, (m, 2, 2).
+    reach : float
+        m.
+
+    Returns
+    -------
+    NearLines
+        Lines sorted into bins.
+    """
     ends = np.ascontiguousarray(ends, dtype=float)
     if not len(ends):
         return NearLines(ends, reach, (0.0, 0.0), 1.0, (0, 0), np.zeros(1, int), np.empty(0, int))

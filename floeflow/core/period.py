@@ -38,12 +38,25 @@ def sides(period: Period) -> tuple[float, float]:
 
 
 def shortest(between: tuple[Array, Array], period: Period | None) -> tuple[Array, Array]:
-    """Differences of places in x and y (m), each (m,), to the nearest image of the second."""
+    """Differences of places in x and y (m), each (m,), to the nearest image of the second.
+
+    Parameters
+    ----------
+    between : tuple of ndarray
+        In x and in y (m), (m,) each.
+    period : Period or None
+        Along which axes places repeat themselves; None for none.
+
+    Returns
+    -------
+    tuple of ndarray
+        m, (m,) each.
+    """
     dx, dy = between
     if period is None:
         return dx, dy
     wide, high = sides(period)
-    # Without a rounding where nothing repeats: infinity times 0 is no number.
+    # Without a rounding where nothing repeats: infinity times 0 is not a number.
     if np.isfinite(wide):
         dx = dx - wide * np.rint(dx / wide)
     if np.isfinite(high):
@@ -52,7 +65,24 @@ def shortest(between: tuple[Array, Array], period: Period | None) -> tuple[Array
 
 
 def apart(places: Array, first: Index, second: Index, period: Period | None) -> Array:
-    """Distances (m) of pairs of places (n, 2), to the nearest image, (m,)."""
+    """Distances (m) of pairs of places (n, 2), to the nearest image, (m,).
+
+    Parameters
+    ----------
+    places : ndarray
+        m, (n, 2).
+    first : Index
+        Rows of the pairs, (m,).
+    second : Index
+        Rows of the pairs, (m,).
+    period : Period or None
+        Along which axes places repeat themselves; None for none.
+
+    Returns
+    -------
+    ndarray
+        m.
+    """
     between = places[second] - places[first]
     return np.asarray(np.hypot(*shortest((between[:, 0], between[:, 1]), period)))
 
@@ -60,13 +90,43 @@ def apart(places: Array, first: Index, second: Index, period: Period | None) -> 
 def distances_of(
     elements: Mapping[str, NDArray[Any]], lo: Index, hi: Index, period: Period | None
 ) -> Array:
-    """Distances (m) of pairs of elements with x and y (n,), to the nearest image, (m,)."""
+    """Distances (m) of pairs of elements with x and y (n,), to the nearest image, (m,).
+
+    Parameters
+    ----------
+    elements : mapping of ndarray
+        With x and y (m), (n,).
+    lo : Index
+        Rows of the pairs, (m,).
+    hi : Index
+        Rows of the pairs, (m,).
+    period : Period or None
+        Along which axes places repeat themselves; None for none.
+
+    Returns
+    -------
+    ndarray
+        m.
+    """
     x, y = elements["x"], elements["y"]
     return np.asarray(np.hypot(*shortest((x[hi] - x[lo], y[hi] - y[lo]), period)))
 
 
 def wrapped(places: Array, period: Period | None) -> Array:
-    """Places (m), (n, 2), brought back into the rectangle."""
+    """Places (m), (n, 2), brought back into the rectangle.
+
+    Parameters
+    ----------
+    places : ndarray
+        m, (n, 2).
+    period : Period or None
+        Along which axes places repeat themselves; None for none.
+
+    Returns
+    -------
+    ndarray
+        m, (n, 2).
+    """
     if period is None:
         return places
     out = np.array(places, float)
@@ -122,6 +182,18 @@ def tree_of(places: Array, period: Period | None) -> cKDTree:
     """Search tree of places (m), (n, 2), in which distances are those to the nearest image.
 
     What is sought in it has to be given as `in_tree` gives it.
+
+    Parameters
+    ----------
+    places : ndarray
+        m, (n, 2).
+    period : Period or None
+        Along which axes places repeat themselves; None for none.
+
+    Returns
+    -------
+    cKDTree
+        Of the places counted from the rectangle's corner, where there is a period.
     """
     # Here, since every scene reads this module, and the start of a run needs no tree.
     from scipy.spatial import cKDTree
@@ -134,7 +206,20 @@ def tree_of(places: Array, period: Period | None) -> cKDTree:
 
 
 def in_tree(places: Array, period: Period | None) -> Array:
-    """Places as a tree of `tree_of` has them: from the corner of the rectangle."""
+    """Places as a tree of `tree_of` has them: from the corner of the rectangle.
+
+    Parameters
+    ----------
+    places : ndarray
+        m, (n, 2).
+    period : Period or None
+        Along which axes places repeat themselves; None for none.
+
+    Returns
+    -------
+    ndarray
+        m, (n, 2).
+    """
     if period is None:
         return places
     corner = np.array([low if np.isfinite(low) else 0.0 for low in period[:2]])

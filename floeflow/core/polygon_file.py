@@ -69,7 +69,7 @@ def _of_json(path: Path) -> list[tuple[shapely.Geometry, dict[str, Any]]]:
     try:
         data = json.loads(path.read_text("utf-8"))
     except (ValueError, RecursionError):
-        raise FloeError(f"{path}: this is no GeoJSON") from None
+        raise FloeError(f"{path}: this is not GeoJSON") from None
     return [
         (_polygon(feature, f"{path}: feature {number}"), feature.get("properties") or {})
         for number, feature in enumerate(_features(data, path), start=1)
@@ -86,7 +86,7 @@ def _features(data: Any, path: Path) -> list[dict[str, Any]]:
         return [data]
     elif kind in ("Polygon", "MultiPolygon"):
         return [{"geometry": data}]
-    raise FloeError(f"{path}: this is no GeoJSON of polygons")
+    raise FloeError(f"{path}: this is not GeoJSON of polygons")
 
 
 def _polygon(feature: dict[str, Any], name: str) -> shapely.Geometry:
@@ -110,6 +110,15 @@ def project(polygon: shapely.Geometry, crs: str, name: str) -> shapely.Geometry:
     """Bring a polygon of longitudes and latitudes to a projection.
 
     Sides are divided first, along straight lines in longitude and latitude.
+
+    Parameters
+    ----------
+    polygon : shapely.Geometry
+        Degrees.
+    crs : str
+        Projection.
+    name : str
+        Of the polygon, for messages.
 
     Raises
     ------
@@ -148,6 +157,21 @@ def _check_simple(part: shapely.Polygon, name: str) -> None:
 
 
 def within(polygon: shapely.Geometry, x: Array, y: Array) -> NDArray[np.bool_]:
-    """Whether points (m) lie in a polygon; as the arrays are shaped."""
+    """Whether points (m) lie in a polygon; as the arrays are shaped.
+
+    Parameters
+    ----------
+    polygon : shapely.Geometry
+        m; prepared for further questions.
+    x : ndarray
+        m.
+    y : ndarray
+        m.
+
+    Returns
+    -------
+    ndarray
+        bool.
+    """
     shapely.prepare(polygon)
     return np.asarray(shapely.contains_xy(polygon, x, y))

@@ -76,7 +76,20 @@ class Record:
 
 
 def write_records(records: list[Record], path: Path) -> None:
-    """Write records as a JSON list, atomically."""
+    """Write records as a JSON list, atomically.
+
+    Parameters
+    ----------
+    records : list of Record
+        Of the stages.
+    path : Path
+        Replaced in one step.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be written.
+    """
     write_text(json.dumps([record.as_dict() for record in records], indent=1), path)
 
 

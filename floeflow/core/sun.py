@@ -52,7 +52,20 @@ def sun_height(
 
 
 def day_of_year(start: datetime, seconds: float) -> float:
-    """Day of the year with its fraction, as `sun_height` takes it, so many seconds after a time."""
+    """Day of the year with its fraction, as `sun_height` takes it, so many seconds after a time.
+
+    Parameters
+    ----------
+    start : datetime
+        A time, UTC.
+    seconds : float
+        s after it.
+
+    Returns
+    -------
+    float
+        From 1.
+    """
     now = start + timedelta(seconds=seconds)
     of_day = timedelta(hours=now.hour, minutes=now.minute, seconds=now.second)
     fraction = (of_day + timedelta(microseconds=now.microsecond)) / timedelta(days=1)

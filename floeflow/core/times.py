@@ -32,7 +32,20 @@ _ABSOLUTE = re.compile(r"^days? as %Y%m%d(\.%f)?$")
 
 
 def window_span(window: int, length: float) -> tuple[float, float]:
-    """Start and end of a window (s since the scene's start); the first window is 1."""
+    """Start and end of a window (s since the scene's start); the first window is 1.
+
+    Parameters
+    ----------
+    window : int
+        Number of the window, from 1.
+    length : float
+        Of a window (s).
+
+    Returns
+    -------
+    tuple of float
+        s.
+    """
     return (window - 1) * length, window * length
 
 
@@ -40,6 +53,17 @@ def seconds_since(
     values: ArrayLike, variable: cf.Variable, start: datetime, path: str | Path
 ) -> Array:
     """Times of a file in seconds since the scene's start, in the file's own calendar.
+
+    Parameters
+    ----------
+    values : array_like
+        As stored.
+    variable : cf.Variable
+        With units and calendar.
+    start : datetime
+        Of the scene.
+    path : str or Path
+        Of the file, for messages.
 
     Raises
     ------
@@ -82,7 +106,7 @@ def _plain_units(units: str, times: Array) -> tuple[str, Array, float]:
         reference = f"{packed[1]}-{packed[2]}-{packed[3]}{packed[4]}"
     found = _REFERENCE.match(reference.strip())
     if found is None:
-        raise ValueError(f"'{reference.strip()}' is no date")
+        raise ValueError(f"'{reference.strip()}' is not a date")
     part = {name: text or "" for name, text in found.groupdict().items()}
     second = float(part["second"] or 0.0)
     date = (
@@ -126,6 +150,19 @@ def axis_seconds(
 ) -> tuple[Array, tuple[Array, Array] | None]:
     """Times of an axis (s since the scene's start), and its bounds where it has them.
 
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of the file, not decoded.
+    variables : mapping of cf.Variable
+        Of the file, by name.
+    name : str
+        Of the time variable.
+    start : datetime
+        Of the scene.
+    path : str or Path
+        Of the file, for messages.
+
     Raises
     ------
     FloeError
@@ -156,6 +193,15 @@ def axis_seconds(
 def first_date(axis: cf.Variable, value: float, path: str | Path) -> datetime:
     """A time of an axis as a date in the axis' own calendar, to the second.
 
+    Parameters
+    ----------
+    axis : cf.Variable
+        With units and calendar.
+    value : float
+        As stored.
+    path : str or Path
+        Of the file, for messages.
+
     Raises
     ------
     FloeError
@@ -177,7 +223,20 @@ def first_date(axis: cf.Variable, value: float, path: str | Path) -> datetime:
 
 
 def say(start: datetime, seconds: float) -> str:
-    """A time of the scene as text, or as seconds where the calendar has none."""
+    """A time of the scene as text, or as seconds where the calendar has none.
+
+    Parameters
+    ----------
+    start : datetime
+        Of the scene.
+    seconds : float
+        Since the start (s).
+
+    Returns
+    -------
+    str
+        Such as ``1981-12-31 00:00:00``.
+    """
     try:
         date = netCDF4.num2date(
             np.array([seconds]), f"seconds since {start.isoformat(sep=' ')}", "standard"

@@ -116,7 +116,20 @@ def unpack(raw: NDArray[Any], attrs: Mapping[str, Any]) -> Values:
 def flag_variable(
     variables: Mapping[str, cf.Variable], variable: cf.Variable
 ) -> cf.Variable | None:
-    """The status flag beside a variable: named among its ancillaries, or as products name it."""
+    """The status flag beside a variable: named among its ancillaries, or as products name it.
+
+    Parameters
+    ----------
+    variables : mapping of cf.Variable
+        Of the file, by name.
+    variable : cf.Variable
+        One of them.
+
+    Returns
+    -------
+    cf.Variable or None
+        None where there is none.
+    """
     listed = variable.text("ancillary_variables").split()
     for name in (*listed, "status_flag", "surface_type"):
         item = variables.get(name)
@@ -129,7 +142,20 @@ def flag_variable(
 
 
 def status_flags(raw: NDArray[Any], attrs: Mapping[str, Any]) -> dict[str, Flags]:
-    """Where a status flag tells of land, lakes or coast, by its values or its bits."""
+    """Where a status flag tells of land, lakes or coast, by its values or its bits.
+
+    Parameters
+    ----------
+    raw : ndarray
+        Stored values.
+    attrs : mapping of object
+        Of the variable, with ``flag_meanings``.
+
+    Returns
+    -------
+    dict of Flags
+        By kind of flag, of the shape of ``raw``.
+    """
     stored = _unsigned(raw, attrs).astype(np.int64)
     words = str(attrs.get("flag_meanings", "")).replace(",", " ").split()
     found: dict[str, Flags] = {}

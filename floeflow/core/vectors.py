@@ -89,6 +89,18 @@ def first_axis_angle(lon: Array, lat: Array) -> Array:
     From the chord between the points before and behind along a row, seen in the plane of east and
     north at the point; the second axis is taken at right angles. This is what history files call
     ANGLE.
+
+    Parameters
+    ----------
+    lon : ndarray
+        Degrees, (ny, nx).
+    lat : ndarray
+        Degrees, (ny, nx).
+
+    Returns
+    -------
+    ndarray
+        rad.
     """
     east, north = np.radians(lon), np.radians(lat)
     place = np.stack(
@@ -111,16 +123,61 @@ def first_axis_angle(lon: Array, lat: Array) -> Array:
 
 
 def rotate(u: Array, v: Array, angle: Array) -> tuple[Array, Array]:
-    """Turn vectors anticlockwise by an angle (rad)."""
+    """Turn vectors anticlockwise by an angle (rad).
+
+    Parameters
+    ----------
+    u : ndarray
+        Components, in one unit.
+    v : ndarray
+        Components, in one unit.
+    angle : ndarray
+        rad, anticlockwise.
+
+    Returns
+    -------
+    tuple of ndarray
+        In the unit of the components.
+    """
     cos, sin = np.cos(angle), np.sin(angle)
     return u * cos - v * sin, u * sin + v * cos
 
 
 def east_north_to_map(u: Array, v: Array, angle: Array) -> tuple[Array, Array]:
-    """East and north components to x and y, given `north_angle` (rad)."""
+    """East and north components to x and y, given `north_angle` (rad).
+
+    Parameters
+    ----------
+    u : ndarray
+        Components, in one unit.
+    v : ndarray
+        Components, in one unit.
+    angle : ndarray
+        Of north from the map's first axis, anticlockwise (rad).
+
+    Returns
+    -------
+    tuple of ndarray
+        In the unit of the components.
+    """
     return rotate(u, v, angle - np.pi / 2)
 
 
 def map_to_east_north(u: Array, v: Array, angle: Array) -> tuple[Array, Array]:
-    """Components along x and y to east and north, given `north_angle` (rad)."""
+    """Components along x and y to east and north, given `north_angle` (rad).
+
+    Parameters
+    ----------
+    u : ndarray
+        Components, in one unit.
+    v : ndarray
+        Components, in one unit.
+    angle : ndarray
+        Of north from the map's first axis, anticlockwise (rad).
+
+    Returns
+    -------
+    tuple of ndarray
+        In the unit of the components.
+    """
     return rotate(u, v, np.pi / 2 - angle)

@@ -76,7 +76,20 @@ class Chunk:
         return self.windows[-1]
 
     def path(self, kind: str, suffix: str = ".nc") -> Path:
-        """Published file of a kind."""
+        """Published file of a kind.
+
+        Parameters
+        ----------
+        kind : str
+            Folder in the results, such as ``state``.
+        suffix : str, optional
+            Ending of the file's name.
+
+        Returns
+        -------
+        Path
+            Where the file lies.
+        """
         return self.folder / kind / f"{self.name}{suffix}"
 
 

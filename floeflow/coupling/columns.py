@@ -78,6 +78,21 @@ def forcing_sampler(
 
     With a mixed layer and ocean drag the ice's drift against the current gives the friction
     velocity under it, sqrt(C_w) |u_w - u|, with the velocity at the window's end.
+
+    Parameters
+    ----------
+    scene : Scene
+        Effects and forcing.
+    columns : dict of ndarray
+        Of n elements.
+    forcing : xarray.Dataset
+        Of the window, as `floeflow.forcings.window` makes it.
+
+    Returns
+    -------
+    callable
+        ``sample(t)``: values at the elements at a time (s since the scene's start) by the names of
+        the forcing, SI units, (n,).
     """
     names = tuple(
         name for name in column_forcing_variables(scene.effects) if name != SEA_SURFACE_TEMPERATURE
@@ -106,7 +121,22 @@ def forcing_sampler(
 
 
 def mobile_columns(scene: Scene, state: xr.Dataset, first_area: np.ndarray) -> Columns:
-    """Columns of the mobile elements, without their sea."""
+    """Columns of the mobile elements, without their sea.
+
+    Parameters
+    ----------
+    scene : Scene
+        Effects and scheme.
+    state : xarray.Dataset
+        At the window's end, after ridging.
+    first_area : ndarray
+        Area of all elements before the motion (m2), (elements,).
+
+    Returns
+    -------
+    dict of ndarray
+        Of the mobile elements, (n,).
+    """
     rows = np.flatnonzero(state["type"].values == MOBILE)
     scheme = column_settings(scene).scheme
     names = [n for n in column_variables(scene.effects, scheme) if n not in SEA_VARIABLES]
@@ -125,7 +155,33 @@ def advance_all(
     forcing: xr.Dataset,
     window: tuple[float, float],
 ) -> tuple[Arrays, Arrays]:
-    """Advance columns over a window, a slice on each rank; all, and their terms, on each."""
+    """Advance columns over a window, a slice on each rank; all, and their terms, on each.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Ranks that share the columns.
+    scene : Scene
+        Settings of the columns.
+    columns : dict of ndarray
+        Of all n mobile elements, the same on each rank.
+    forcing : xarray.Dataset
+        Of the window.
+    window : tuple of float
+        Start and end (s).
+
+    Returns
+    -------
+    tuple of Arrays
+        Columns at the end, and the terms of the budgets, (n,) and more, of all elements.
+
+    Raises
+    ------
+    FloeError
+        For settings or forcing that the scheme refuses, on each rank.
+    UnsolvedError
+        Where no temperatures balance the fluxes; names the place.
+    """
     settings = column_settings(scene)
     part = columns.some(np.array_split(np.arange(len(columns.x)), comm.size)[comm.rank])
 

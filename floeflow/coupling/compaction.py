@@ -178,6 +178,22 @@ def compactor(
 
     Walls are taken where they are at time 0, at rest. Sides beyond which the ice repeats itself
     hold nothing.
+
+    Parameters
+    ----------
+    grid : Grid
+        Its outer edges (m) are the sides of the rectangle.
+    folder : Path
+        For the logs of LIGGGHTS.
+    walls : Arrays, optional
+        Faces and their velocities as in `floeflow.state.walls`.
+    period : Period, optional
+        Along which axes the domain repeats itself.
+
+    Returns
+    -------
+    Compactor
+        Function that presses discs together until they rest.
     """
     (west, east), (south, north) = grid.x_edges[[0, -1]], grid.y_edges[[0, -1]]
     low, high = (float(west), float(south)), (float(east), float(north))

@@ -42,7 +42,7 @@ from floeflow.coupling.series import sea_change, series_dataset, volumes
 from floeflow.coupling.window_end import end_at_sea
 from floeflow.dynamics.bonds.stress_free_growth import keep_forces
 from floeflow.dynamics.motion import Motion, move
-from floeflow.dynamics.remesh.remesh import cure
+from floeflow.dynamics.remesh.remesh import remesh
 from floeflow.forcings.window import window_forcing
 from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state, write_dataset, write_state
@@ -77,7 +77,7 @@ def advance_window(
     cells: Cells | None = None,
     places: SeaPlaces | None = None,
 ) -> Advanced:
-    """Advance a state by one window: dynamics, then column, then what cures distortion.
+    """Advance a state by one window: dynamics, then column, then remapping and merging.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def advance_window(
         costs.append(Record("sea", n, comm.size, [seconds]))
     if {"remap", "merge", "ridging"} & set(scene.effects):
         began = time.perf_counter()
-        state, terms = on_root(comm, cure, scene, state, cells)
+        state, terms = on_root(comm, remesh, scene, state, cells)
         budget |= terms
         n, seconds = state.sizes["element"], time.perf_counter() - began
         costs.append(Record("remesh", n, comm.size, [seconds]))
@@ -186,7 +186,20 @@ def _sums(motion: Motion, before: Grown, after: Grown) -> dict[str, np.ndarray]:
 
 
 def ashore(scene: Scene, state: xr.Dataset) -> np.ndarray:
-    """Ids of the mobile elements whose centre lies on land: none, or the coast does not hold."""
+    """Ids of the mobile elements whose centre lies on land: none, or the coast does not hold.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whether there are walls, and which.
+    state : xarray.Dataset
+        Elements and faces.
+
+    Returns
+    -------
+    ndarray
+        (k,), int64.
+    """
     mobile = state["type"].values == MOBILE
     coast = len(scene.walls.names) if "walls" in scene.effects else 0
     faces = pair_arrays(state, "wall_face")
@@ -259,6 +272,19 @@ def warm_up(
     """Let the column be compiled, or its compiled code be read, before anything is timed.
 
     One step of no elements: what that takes is the program's start, not a window's cost.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Ranks that share the run.
+    scene : Scene
+        Effects and column.
+    state : xarray.Dataset
+        From which the job starts.
+    forcing : xarray.Dataset
+        Of its first window.
+    places : SeaPlaces, optional
+        Grid of the mixed layer.
     """
     if "thermodynamics" in scene.effects:
         start = float(state.attrs["time"])
@@ -288,19 +314,32 @@ def _costs(scene: Scene, ranks: int, motion: Motion, column: tuple[float, float]
     return records
 
 
-def march(comm: MPI.Comm, job: Job) -> None:
-    """Advance a job's windows and write each to the work folder."""
+def run_windows(comm: MPI.Comm, job: Job) -> None:
+    """Advance a job's windows and write each to the work folder.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Ranks that share the run.
+    job : Job
+        Scene, windows and folders.
+
+    Raises
+    ------
+    FloeError
+        For bad input, and for a run that fails, with the file, element or place.
+    """
     folder = Path(job.folder)
     # Ranks may outlive the rule that started them; the next run sees them by this lock.
     lock = on_root(comm, join_run, folder)
     try:
-        _march(comm, job, folder)
+        _run_windows(comm, job, folder)
     finally:
         if comm.rank == 0:
             os.close(lock)
 
 
-def _march(comm: MPI.Comm, job: Job, folder: Path) -> None:
+def _run_windows(comm: MPI.Comm, job: Job, folder: Path) -> None:
     scene = job.read_scene()
     state = on_root(comm, read_state, job.state)
     cells = read_cells(on_root(comm, read_dataset, job.cells)) if job.cells else None
@@ -374,7 +413,7 @@ def main() -> None:
     comm = MPI.COMM_WORLD
     try:
         text = sys.stdin.readline() if comm.rank == 0 else ""
-        march(comm, Job.from_json(comm.bcast(text)))
+        run_windows(comm, Job.from_json(comm.bcast(text)))
     except FloeError as error:
         print(json.dumps({"error": str(error)}), flush=True)
         leave(comm)

@@ -89,7 +89,25 @@ def first_pack(scene: Scene, scratch: Path) -> Pack:
 
 
 def first_state(scene: Scene, scratch: Path) -> First:
-    """Make land, mask, packing, bonds and state 0 of a scene; arguments as of `first_pack`."""
+    """Make land, mask, packing, bonds and state 0 of a scene; arguments as of `first_pack`.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of which the state is made.
+    scratch : Path
+        Folder for temporary files.
+
+    Returns
+    -------
+    First
+        State 0, cells where elements are remapped, and mask.
+
+    Raises
+    ------
+    FloeError
+        For input that is refused.
+    """
     made = first_pack(scene, scratch)
     mask, packing = made.mask, made.packing
     cells = None

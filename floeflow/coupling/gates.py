@@ -35,6 +35,17 @@ def gate_lines(scene: Scene) -> dict[str, Line]:
 def far_share(line: Line, x: Array, y: Array, radius: Array) -> tuple[Array, Array]:
     """Share of discs that lies to the right of a line (from its first end), and where along it.
 
+    Parameters
+    ----------
+    line : Line
+        Its ends (m).
+    x : ndarray
+        Centres (m), (n,).
+    y : ndarray
+        Centres (m), (n,).
+    radius : ndarray
+        m, (n,).
+
     Returns
     -------
     tuple of ndarray

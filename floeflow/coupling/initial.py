@@ -10,7 +10,7 @@ from floeflow.core.grids import scene_grid
 from floeflow.core.period import ATTRIBUTE
 from floeflow.coupling.initial_walls import wall_variables
 from floeflow.coupling.origin import provenance
-from floeflow.coupling.sea.first import first_sea
+from floeflow.coupling.sea.initial_sea import first_sea
 from floeflow.coupling.sea.places import sea_places
 from floeflow.scene.blocks import Scene
 from floeflow.state import SCHEMA_VERSION

@@ -31,7 +31,7 @@ from floeflow.coupling.coupled_windows import advance_window
 from floeflow.coupling.first_state import first_state
 from floeflow.coupling.fluxes import FIELDS, spread
 from floeflow.coupling.sea.places import sea_places
-from floeflow.forcings.forcing import UNITS
+from floeflow.forcings.forcing import field_units
 from floeflow.forcings.window import window_forcing
 from floeflow.scene import Scene, load_scene
 from floeflow.scene.effects import forcing_variables
@@ -76,6 +76,13 @@ class IceModel:
 
     def initialize(self, scene: str | Path, state: str | Path | None = None) -> None:
         """Read a scene; make its first state from its mask, or start from a state of a run.
+
+        Parameters
+        ----------
+        scene : str or Path
+            Scene file.
+        state : str, Path, optional
+            NetCDF file of a state.
 
         Raises
         ------
@@ -162,11 +169,18 @@ class IceModel:
             return self._given[name].copy()
         if self.fluxes is None or name not in self.fluxes:
             known = ", ".join(self.get_output_var_names())
-            raise FloeError(f"'{name}' is no output of the scene now; there are {known}")
+            raise FloeError(f"'{name}' is not an output of the scene now; there are {known}")
         return np.array(self.fluxes[name].values[0])
 
     def set_value(self, name: str, values: Any) -> None:
         """Give a forcing field for the windows to come, (ny, nx) or one number.
+
+        Parameters
+        ----------
+        name : str
+            Of the forcing, one of `get_input_var_names`.
+        values : object
+            SI units.
 
         Raises
         ------
@@ -187,7 +201,7 @@ class IceModel:
         """Units of an input or output."""
         if name in FIELDS or name in ICE:
             return (FIELDS.get(name) or ICE[name])[0]
-        return UNITS[name.removesuffix("_u").removesuffix("_v")]
+        return field_units()[name.removesuffix("_u").removesuffix("_v")]
 
     def get_var_grid(self, name: str) -> int:
         """All variables lie on grid 0, the scene grid."""

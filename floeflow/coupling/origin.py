@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Whose state a file holds: a scene goes on from its own, and from no other.
 
-A state says of which scene and window it is and from which keys it was made. Its seal proves that
-the file is whole, not that it lies in its place: a copied file is whole in any folder.
+A state says of which scene and window it is and from which keys it was made. Its checksum proves
+that the file is whole, not that it lies in its place: a copied file is whole in any folder.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from floeflow.scene import Scene, stage_hash
 # Stages on which the state at the start depends.
 START_STAGES = ("land", "mask", "packing", "bonds", "initial")
 # Stages whose keys make a window from the state before it.
-WINDOW_STAGES = ("dynamics", "column", "cure", "forcing")
+WINDOW_STAGES = ("dynamics", "column", "remesh", "forcing")
 
 
 def provenance(scene: Scene) -> str:

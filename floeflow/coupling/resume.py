@@ -30,7 +30,20 @@ MADE_FROM = "made_from"
 
 
 def work_folder(scene_folder: Path, window: str) -> Path:
-    """Folder of a window's own copy of its files."""
+    """Folder of a window's own copy of its files.
+
+    Parameters
+    ----------
+    scene_folder : Path
+        Results of the scene.
+    window : str
+        Name of the window.
+
+    Returns
+    -------
+    Path
+        Inside of the results; it may not exist yet.
+    """
     return scene_folder / WORK / window
 
 
@@ -115,6 +128,13 @@ def drop_old_states(scene_folder: Path, windows: Sequence[str]) -> None:
 
 def link(source: Path, place: Path) -> None:
     """Give a file a second name, as new as now; an older file there is replaced.
+
+    Parameters
+    ----------
+    source : Path
+        File that is there.
+    place : Path
+        Second name.
 
     Raises
     ------

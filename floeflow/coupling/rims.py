@@ -35,7 +35,22 @@ SIDES = ("left", "right", "bottom", "top")
 
 
 def beyond(domain: Domain, x: Array, y: Array) -> Array:
-    """How far places lie outside of each side (m, below 0 inside), in the order of `SIDES`."""
+    """How far places lie outside of each side (m, below 0 inside), in the order of `SIDES`.
+
+    Parameters
+    ----------
+    domain : Domain
+        Rectangle of the scene (m).
+    x : ndarray
+        Places (m), (n,).
+    y : ndarray
+        Places (m), (n,).
+
+    Returns
+    -------
+    ndarray
+        m, (4, n).
+    """
     return np.stack([domain.x_min - x, x - domain.x_max, domain.y_min - y, y - domain.y_max])
 
 
@@ -74,7 +89,20 @@ def export_ice(scene: Scene, state: xr.Dataset) -> tuple[xr.Dataset, Terms]:
 
 
 def amounts_of(scene: Scene, elements: Arrays) -> dict[str, Array]:
-    """What elements hold, (n,) each: areas (m2), volumes (m3), energy (J), water and salt (kg)."""
+    """What elements hold, (n,) each: areas (m2), volumes (m3), energy (J), water and salt (kg).
+
+    Parameters
+    ----------
+    scene : Scene
+        Effects and settings of the columns.
+    elements : Arrays
+        Variables of n elements, by name.
+
+    Returns
+    -------
+    dict of ndarray
+        By the names of `held_by`; without thermodynamics area and volume alone.
+    """
     area = elements["area"]
     if "thermodynamics" in scene.effects:
         held = held_by(elements, column_settings(scene))

@@ -75,7 +75,20 @@ PREFIX_UNITS = {
 
 
 def volumes(state: xr.Dataset, moment: str) -> dict[str, float]:
-    """Ice area (m2), ice volume and, where there is snow, snow volume (m3) of a state."""
+    """Ice area (m2), ice volume and, where there is snow, snow volume (m3) of a state.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        Elements.
+    moment : str
+        Word that ends each name, such as ``start``.
+
+    Returns
+    -------
+    dict of float
+        ``ice_area_<moment>`` (m2), ``ice_volume_<moment>`` and ``snow_volume_<moment>`` (m3).
+    """
     area = state["area"].values
     totals = {
         "ice_area": state["ice_fraction"].values.sum(axis=1),
@@ -89,7 +102,24 @@ def volumes(state: xr.Dataset, moment: str) -> dict[str, float]:
 def sea_change(
     scene: Scene, before: xr.Dataset, after: xr.Dataset, places: SeaPlaces
 ) -> dict[str, float]:
-    """By how much the mixed layer's heat (J) and salt (kg) have changed, from two states."""
+    """By how much the mixed layer's heat (J) and salt (kg) have changed, from two states.
+
+    Parameters
+    ----------
+    scene : Scene
+        Settings of the columns.
+    before : xarray.Dataset
+        States with a mixed layer.
+    after : xarray.Dataset
+        States with a mixed layer.
+    places : SeaPlaces
+        Area of the sea in each cell.
+
+    Returns
+    -------
+    dict of float
+        ``sea_heat_stored`` (J) and ``sea_salt_stored`` (kg).
+    """
     settings = column_settings(scene)
     first, last = (read_water(state, places.area, settings) for state in (before, after))
     return {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Elements that come and go at the end of a window, beside what cures distortion."""
+"""Elements that come and go at the end of a window, beside remapping and merging."""
 
 from __future__ import annotations
 

@@ -288,7 +288,27 @@ class Winds:
         self.every = -(-scene.time.windows // MOST_WINDS)
 
     def at(self, window: int, x: Array, y: Array) -> NDArray[np.complex128]:
-        """Mean wind over a window (m/s), bilinear in space; the grid's edge holds outside of it."""
+        """Mean wind over a window (m/s), bilinear in space; the grid's edge holds outside of it.
+
+        Parameters
+        ----------
+        window : int
+            Number of the window.
+        x : ndarray
+            Places (m), (n,).
+        y : ndarray
+            Places (m), (n,).
+
+        Returns
+        -------
+        ndarray
+            u + i v.
+
+        Raises
+        ------
+        FloeError
+            For forcing that cannot be made.
+        """
         # Over a second to import, and what reads no wind has no need of them.
         from scipy.ndimage import map_coordinates
 
@@ -317,20 +337,59 @@ def _time_attributes(scene: Scene) -> dict[str, str]:
 
 
 def months_of(scene: Scene, seconds: Array) -> list[tuple[int, int]]:
-    """Year and month of times since the scene's start."""
+    """Year and month of times since the scene's start.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its start and length.
+    seconds : ndarray
+        Since the scene's start (s), (times,).
+
+    Returns
+    -------
+    list of tuple of int
+        (year, month) of each.
+    """
     moments = [scene.time.start + timedelta(seconds=float(second)) for second in seconds]
     return [(moment.year, moment.month) for moment in moments]
 
 
 def period_of(scene: Scene, seconds: Array) -> list[str]:
-    """The period to which each time belongs: its month, or the run where that is short."""
+    """The period to which each time belongs: its month, or the run where that is short.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its start and length.
+    seconds : ndarray
+        Since the scene's start (s), (times,).
+
+    Returns
+    -------
+    list of str
+        ``YYYY-MM``, or ``run``.
+    """
     if scene.time.windows * scene.time.window <= ONE_PERIOD:
         return ["run"] * len(seconds)
     return [f"{year:04d}-{month:02d}" for year, month in months_of(scene, seconds)]
 
 
 def seasons_of(scene: Scene, seconds: Array) -> dict[str, NDArray[np.bool_]]:
-    """Which times count to the run, and to winter and summer where it has both."""
+    """Which times count to the run, and to winter and summer where it has both.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its start, and its hemisphere.
+    seconds : ndarray
+        Since the scene's start (s), (times,).
+
+    Returns
+    -------
+    dict of ndarray
+        By ``all``, ``winter`` and ``summer``, (times,).
+    """
     found = {"all": np.ones(len(seconds), dtype=bool)}
     domain = scene.domain
     middle = np.array([0.5 * (domain.y_min + domain.y_max)])
@@ -345,7 +404,20 @@ def seasons_of(scene: Scene, seconds: Array) -> dict[str, NDArray[np.bool_]]:
 
 
 def edge_rows(grid: xr.Dataset, area: Array) -> Rows:
-    """Extent, marginal zone and leads at the times of the grid, of cells with an area of sea."""
+    """Extent, marginal zone and leads at the times of the grid, of cells with an area of sea.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        Fields on (time, y, x), with ``siconc`` (1).
+    area : ndarray
+        Of sea in each cell (m2), (y, x).
+
+    Returns
+    -------
+    Rows
+        Variables on ``grid``, with units.
+    """
     share = grid["siconc"].values
     pack = np.nan_to_num(share) >= ice_edge.PACK
     covered = np.where(pack, area, 0.0).sum(axis=(1, 2))
@@ -365,7 +437,20 @@ def edge_rows(grid: xr.Dataset, area: Array) -> Rows:
 
 
 def floe_rows(state: xr.Dataset, name: str) -> Rows:
-    """Sizes of the floes of a state, where it resolves floes; nothing where not."""
+    """Sizes of the floes of a state, where it resolves floes; nothing where not.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        Elements and bonds.
+    name : str
+        When, for descriptions.
+
+    Returns
+    -------
+    Rows
+        Diameters (m) and the fit of their power law, with units.
+    """
     if "bond_id_lo" not in state:
         return {}
     diameter, elements, spacing = floe_diameters(state)

@@ -117,7 +117,20 @@ class Budget:
 
 
 def relative(residual: Array, scale: Array) -> Array:
-    """Return |residual| / |scale|: 0 where both vanish, infinite where only the scale does."""
+    """Return |residual| / |scale|: 0 where both vanish, infinite where only the scale does.
+
+    Parameters
+    ----------
+    residual : ndarray
+        In one unit, of one shape.
+    scale : ndarray
+        In one unit, of one shape.
+
+    Returns
+    -------
+    ndarray
+        1.
+    """
     size, base = np.abs(residual), np.abs(scale)
     ratio = np.divide(size, base, out=np.full_like(size, np.inf), where=base > 0)
     return np.where(size == 0, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
@@ -195,6 +208,20 @@ def ice_volume_budgets(
     The scalars are as in `momentum_budget`; ``volume`` is that of the states at the window
     boundaries inside the scene's rectangle (m3), (window + 1,), ``exports`` what came in from
     beyond its sides in each window, see `exports_of`.
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        As in `momentum_budget`, on ``window``.
+    volume : ndarray
+        Of the ice inside the rectangle at the boundaries (m3), (window + 1,).
+    exports : mapping of ndarray
+        What came in from beyond the rectangle's sides in each window (m3), see `exports_of`.
+
+    Returns
+    -------
+    list of Budget
+        Of the run, and of the dynamics alone; m3.
     """
     start = scalars["ice_volume_start"].values.astype(float)
     moved = scalars["ice_volume_dynamics"].values.astype(float) - start
@@ -224,7 +251,20 @@ def ice_volume_budgets(
 
 
 def rim_terms(scalars: xr.Dataset, quantity: str) -> dict[str, Array]:
-    """What the effect rims took out (negative) and let in, by side, where anything passed."""
+    """What the effect rims took out (negative) and let in, by side, where anything passed.
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        As in `momentum_budget`, on ``window``.
+    quantity : str
+        Such as ``ice_volume``.
+
+    Returns
+    -------
+    dict of ndarray
+        By ``export <side>`` and ``inflow <side>``, (window,).
+    """
     left = _matching(scalars, f"export_{quantity}_")
     came = _matching(scalars, f"inflow_{quantity}_")
     terms = {f"export {side}": -amount for side, amount in left.items() if amount.any()}
@@ -253,14 +293,42 @@ def exports_of(boundaries: xr.Dataset, name: str) -> dict[str, Array]:
 
 
 def total_of(boundaries: xr.Dataset, name: str) -> xr.DataArray:
-    """Inside of the rectangle and beyond its sides together, on ``boundary``."""
+    """Inside of the rectangle and beyond its sides together, on ``boundary``.
+
+    Parameters
+    ----------
+    boundaries : xarray.Dataset
+        On ``boundary``.
+    name : str
+        Of the quantity.
+
+    Returns
+    -------
+    xarray.DataArray
+        In the unit of the quantity.
+    """
     prefix = f"{name}_beyond_"
     beyond = [item for key, item in boundaries.data_vars.items() if str(key).startswith(prefix)]
     return sum(beyond, boundaries[name])
 
 
 def snow_volume_budget(scalars: xr.Dataset, volume: Array, exports: Mapping[str, Array]) -> Budget:
-    """Snow volume of the run; see `ice_volume_budgets`."""
+    """Snow volume of the run; see `ice_volume_budgets`.
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        As in `momentum_budget`, on ``window``.
+    volume : ndarray
+        Of the snow inside the rectangle at the boundaries (m3), (window + 1,).
+    exports : mapping of ndarray
+        What came in from beyond the rectangle's sides in each window (m3), see `exports_of`.
+
+    Returns
+    -------
+    Budget
+        m3.
+    """
     terms = _matching(scalars, "snow_")
     named = {name: term for name, term in terms.items() if not name.startswith("volume_")}
     named |= {**exports, **rim_terms(scalars, "snow_volume")}

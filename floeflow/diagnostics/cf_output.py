@@ -13,7 +13,7 @@ import xarray as xr
 
 from floeflow import __version__
 from floeflow.column.thickness.categories import category_bounds
-from floeflow.core.atomic_write import write_whole
+from floeflow.core.atomic_write import write_atomically
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
 from floeflow.scene import Scene
@@ -342,12 +342,19 @@ def _add_method(data: xr.Dataset, fields: dict[str, Array]) -> None:
 def write_grid(data: xr.Dataset, path: Path) -> None:
     """Write gridded output whole or not at all.
 
+    Parameters
+    ----------
+    data : xarray.Dataset
+        CF dataset.
+    path : Path
+        NetCDF file, replaced in one step.
+
     Raises
     ------
     FloeError
         Where the file cannot be written.
     """
-    with write_whole(path) as temporary:
+    with write_atomically(path) as temporary:
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4")
 
 
@@ -387,7 +394,7 @@ def join_files(paths: Sequence[Path], target: Path) -> None:
     FloeError
         Where a file cannot be read or the target cannot be written.
     """
-    with write_whole(target) as temporary, netCDF4.Dataset(temporary, "w") as out:
+    with write_atomically(target) as temporary, netCDF4.Dataset(temporary, "w") as out:
         for path in paths:
             try:
                 with netCDF4.Dataset(path) as part:

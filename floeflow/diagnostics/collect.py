@@ -138,6 +138,18 @@ def broken_by_motion(samples: xr.Dataset, windows: Iterable[int]) -> np.ndarray:
     """Bonds broken since the start at each boundary, from the samples of the motion alone.
 
     Remapping and merging make other bonds between windows, so pairs cannot be compared then.
+
+    Parameters
+    ----------
+    samples : xarray.Dataset
+        With ``sample_window`` and ``intact_bonds``.
+    windows : iterable of int
+        Their numbers.
+
+    Returns
+    -------
+    ndarray
+        Counts, (windows + 1,).
     """
     number, held = samples["sample_window"].values, samples["intact_bonds"].values
     lost = [held[number == window][0] - held[number == window][-1] for window in windows]
@@ -145,7 +157,20 @@ def broken_by_motion(samples: xr.Dataset, windows: Iterable[int]) -> np.ndarray:
 
 
 def lost_pairs(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Pairs that are in the first list and not in the second, (n, 2)."""
+    """Pairs that are in the first list and not in the second, (n, 2).
+
+    Parameters
+    ----------
+    before : ndarray
+        Ids of pairs, (k, 2).
+    after : ndarray
+        Ids of pairs, (k, 2).
+
+    Returns
+    -------
+    ndarray
+        Ids.
+    """
     kept = {tuple(pair) for pair in after.tolist()}
     rows = [tuple(pair) not in kept for pair in before.tolist()]
     return before[np.asarray(rows, dtype=bool)]
@@ -153,6 +178,13 @@ def lost_pairs(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 def displacement(first: xr.Dataset, last: xr.Dataset) -> tuple[xr.Dataset, np.ndarray]:
     """Net displacement of the mobile elements that are in both states, or of remapped ice.
+
+    Parameters
+    ----------
+    first : xarray.Dataset
+        Snapshots or states, in the order of time.
+    last : xarray.Dataset
+        Snapshots or states, in the order of time.
 
     Returns
     -------
@@ -175,7 +207,20 @@ def displacement(first: xr.Dataset, last: xr.Dataset) -> tuple[xr.Dataset, np.nd
 
 
 def mean(values: np.ndarray, weights: np.ndarray) -> float:
-    """Weighted mean; 0 where there is nothing to weigh."""
+    """Weighted mean; 0 where there is nothing to weigh.
+
+    Parameters
+    ----------
+    values : ndarray
+        (n,).
+    weights : ndarray
+        (n,).
+
+    Returns
+    -------
+    float
+        In the unit of the values.
+    """
     total = float(weights.sum())
     return float((values * weights).sum() / total) if total > 0 else 0.0
 
@@ -250,6 +295,20 @@ def side_beyond(x: np.ndarray, y: np.ndarray, domain: Domain) -> np.ndarray:
     """The side of the scene's rectangle beyond which a place lies: an index of `SIDES`, or -1.
 
     Beyond two sides the one counts that it is further from.
+
+    Parameters
+    ----------
+    x : ndarray
+        m, (n,).
+    y : ndarray
+        m, (n,).
+    domain : Domain
+        Rectangle of the scene (m).
+
+    Returns
+    -------
+    ndarray
+        (n,).
     """
     off = np.stack([domain.x_min - x, x - domain.x_max, domain.y_min - y, y - domain.y_max])
     return np.where(off.max(axis=0) > 0, off.argmax(axis=0), -1)
@@ -259,6 +318,20 @@ def stocks(state: xr.Dataset, snow: bool, domain: Domain) -> dict[str, float]:
     """Ice area, ice and snow volume inside the rectangle, and beyond each of its sides.
 
     An element is where its centre is.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        Elements.
+    snow : bool
+        Whether the state has snow.
+    domain : Domain
+        Rectangle of the scene (m).
+
+    Returns
+    -------
+    dict of float
+        m2 and m3, by ``<name>`` and ``<name>_beyond_<side>``.
     """
     names = {"ice_area": "ice_fraction", "ice_volume": "ice_volume"}
     names |= {"snow_volume": "snow_volume"} if snow else {}
@@ -309,7 +382,25 @@ def with_shares(grid: xr.Dataset) -> xr.Dataset:
 
 
 def cell_area(grid: xr.Dataset, path: Path) -> np.ndarray:
-    """Cell areas (m2) of a CF grid, named by the ``cell_measures`` of siconc, (y, x)."""
+    """Cell areas (m2) of a CF grid, named by the ``cell_measures`` of siconc, (y, x).
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        CF dataset with ``siconc``.
+    path : Path
+        Of the file, for messages.
+
+    Returns
+    -------
+    ndarray
+        m2.
+
+    Raises
+    ------
+    FloeError
+        For areas that are missing.
+    """
     words = str(grid["siconc"].attrs.get("cell_measures", "area: areacello")).split()
     name = words[words.index("area:") + 1] if "area:" in words[:-1] else "areacello"
     if name not in grid:
@@ -357,5 +448,5 @@ def read_cost(paths: Iterable[Path]) -> list[dict[str, Any]]:
                 for record in records
             ]
         except (OSError, ValueError, TypeError, KeyError):
-            raise FloeError(f"{path}: is no list of benchmark records") from None
+            raise FloeError(f"{path}: is not a list of benchmark records") from None
     return found

@@ -128,7 +128,20 @@ def triangle_strain(x: Array, y: Array, u: Array, v: Array, corners: Index) -> S
 
 
 def box_strain(fine: Strain, size: float) -> Strain:
-    """Means over square boxes of a side (m), weighted by area, of boxes that are `COVERED`."""
+    """Means over square boxes of a side (m), weighted by area, of boxes that are `COVERED`.
+
+    Parameters
+    ----------
+    fine : Strain
+        Pieces of the ice with their velocity gradients (1/s).
+    size : float
+        Side of the boxes (m).
+
+    Returns
+    -------
+    Strain
+        One piece a box.
+    """
     column, row = (np.floor(place / size).astype(np.int64) for place in (fine.x, fine.y))
     if not len(column):
         return fine
@@ -142,7 +155,20 @@ def box_strain(fine: Strain, size: float) -> Strain:
 
 
 def box_sizes(spacing: float, extent: float) -> Array:
-    """Sides of the boxes (m): from twice the spacing by factors of root 2 to a third of the ice."""
+    """Sides of the boxes (m): from twice the spacing by factors of root 2 to a third of the ice.
+
+    Parameters
+    ----------
+    spacing : float
+        Of the elements (m).
+    extent : float
+        Of the ice (m).
+
+    Returns
+    -------
+    ndarray
+        m; none for ice that is too small.
+    """
     most = extent / 3.0
     if most < 2.0 * spacing:
         return np.zeros(0)
@@ -151,7 +177,20 @@ def box_sizes(spacing: float, extent: float) -> Array:
 
 
 def moment_sums(strain: Strain, orders: Array = ORDERS) -> tuple[int, float, Array]:
-    """Number of pieces, sum of their scales (m), sums of total deformation to each order."""
+    """Number of pieces, sum of their scales (m), sums of total deformation to each order.
+
+    Parameters
+    ----------
+    strain : Strain
+        Pieces of the ice.
+    orders : ndarray, optional
+        Exponents, (orders,).
+
+    Returns
+    -------
+    tuple of int, float and ndarray
+        Count, m, and sums in 1/s to the power of each order, (orders,).
+    """
     scale = float(np.sqrt(strain.area).sum())
     return len(strain.area), scale, np.asarray((strain.total[:, None] ** orders).sum(axis=0))
 

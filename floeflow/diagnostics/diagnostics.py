@@ -90,7 +90,22 @@ GRID_LABELS = {
 
 
 def change_over_windows(samples: xr.Dataset, name: str, windows: np.ndarray) -> np.ndarray:
-    """Last minus first sample of each window, (window,)."""
+    """Last minus first sample of each window, (window,).
+
+    Parameters
+    ----------
+    samples : xarray.Dataset
+        With ``sample_window``.
+    name : str
+        Of a variable of the samples.
+    windows : ndarray
+        Their numbers, (windows,).
+
+    Returns
+    -------
+    ndarray
+        In the unit of the variable.
+    """
     number, values = samples["sample_window"].values, samples[name].values
     parts = (values[number == window] for window in windows)
     return np.array([float(part[-1] - part[0]) for part in parts])
@@ -142,7 +157,20 @@ def close_budgets(
 
 
 def cost_by_stage(costs: Sequence[Mapping[str, Any]], windows: np.ndarray) -> xr.DataArray:
-    """Wall seconds on (window, stage), stages in the order in which they come."""
+    """Wall seconds on (window, stage), stages in the order in which they come.
+
+    Parameters
+    ----------
+    costs : sequence of mapping of object
+        Records with ``window``, ``name`` and ``seconds``.
+    windows : ndarray
+        Their numbers, ascending, (windows,).
+
+    Returns
+    -------
+    xarray.DataArray
+        s.
+    """
     stages = list(dict.fromkeys(record["name"] for record in costs))
     seconds = np.zeros((len(windows), len(stages)))
     for record in costs:
@@ -182,6 +210,22 @@ def headline(
 
     What went through a side is negative where it left. Bonds add up: those of the end are those of
     the start, less the broken, with those that froze and those that remapping and merging made.
+
+    Parameters
+    ----------
+    samples : xarray.Dataset
+        Within the windows.
+    scalars : xarray.Dataset
+        On ``window``.
+    boundaries : xarray.Dataset
+        On ``boundary``.
+    costs : sequence of mapping of object
+        Records with ``window``, ``name`` and ``seconds``.
+
+    Returns
+    -------
+    dict of object
+        By name, in the order of the report.
     """
     first, last = boundaries.isel(boundary=0), boundaries.isel(boundary=-1)
     speeds = samples["largest_speed"].values
@@ -213,7 +257,22 @@ def headline(
 
 
 def passed_sides(scalars: xr.Dataset, boundaries: xr.Dataset, name: str) -> dict[str, float]:
-    """What came in through each side of the rectangle less what left, over the run."""
+    """What came in through each side of the rectangle less what left, over the run.
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        On ``window``.
+    boundaries : xarray.Dataset
+        On ``boundary``.
+    name : str
+        ``ice_area``, ``ice_volume`` or ``snow_volume``.
+
+    Returns
+    -------
+    dict of float
+        By ``<name>_through_<side>_side``, m2 or m3.
+    """
     found: dict[str, float] = {}
     terms = [*exports_of(boundaries, name).items(), *rim_terms(scalars, name).items()]
     for words, term in terms:
@@ -224,7 +283,22 @@ def passed_sides(scalars: xr.Dataset, boundaries: xr.Dataset, name: str) -> dict
 
 
 def bond_balance(scalars: xr.Dataset, first: xr.Dataset, last: xr.Dataset) -> dict[str, int]:
-    """Bonds of the start and the end, and what lies between them."""
+    """Bonds of the start and the end, and what lies between them.
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        On ``window``.
+    first : xarray.Dataset
+        Start and end of the run.
+    last : xarray.Dataset
+        Start and end of the run.
+
+    Returns
+    -------
+    dict of int
+        Numbers of bonds, by name.
+    """
     start, end, broken = int(first["bonds"]), int(last["bonds"]), int(last["bonds_broken"])
     numbers = {"bonds_start": start, "bonds_broken": broken}
     refrozen = 0
@@ -247,6 +321,28 @@ def assemble(
     """One dataset of it all, with units, and the residuals of each budget per window.
 
     Times count from ``start`` (ISO 8601), in words that CF readers decode.
+
+    Parameters
+    ----------
+    samples : xarray.Dataset
+        Within the windows.
+    scalars : xarray.Dataset
+        On ``window``.
+    boundaries : xarray.Dataset
+        On ``boundary``.
+    grids : xarray.Dataset
+        On ``grid``.
+    budgets : sequence of Budget
+        Their residuals become variables.
+    seconds : xarray.DataArray
+        Cost on (window, stage) (s).
+    start : str
+        Of the scene (ISO 8601).
+
+    Returns
+    -------
+    xarray.Dataset
+        For NetCDF.
     """
     data = xr.merge([samples, scalars, boundaries, grids], join="exact", compat="no_conflicts")
     for budget in budgets:
@@ -280,7 +376,15 @@ def remapped_windows(scalars: xr.Dataset) -> set[int]:
 
 
 def write_json(data: Mapping[str, Any], path: Path) -> None:
-    """Write JSON atomically; numbers that are not finite become null."""
+    """Write JSON atomically; numbers that are not finite become null.
+
+    Parameters
+    ----------
+    data : mapping of object
+        What is not finite becomes null.
+    path : Path
+        File, replaced in one step.
+    """
     write_text(json.dumps(_finite(data), indent=1, allow_nan=False) + "\n", path)
 
 
@@ -319,7 +423,25 @@ class RunFiles:
 
 
 def analyse(files: RunFiles, analyses: Analyses) -> xr.Dataset:
-    """What goes to ``analyses.nc``, after `diagnose` has gone through the run."""
+    """What goes to ``analyses.nc``, after `diagnose` has gone through the run.
+
+    Parameters
+    ----------
+    files : RunFiles
+        Of the run.
+    analyses : Analyses
+        Which have been given all windows.
+
+    Returns
+    -------
+    xarray.Dataset
+        For NetCDF.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read.
+    """
     grid = read_grid(files.grid) if files.grid else None
     states = {"start": read_state(files.first)}
     states |= {"end": read_state(files.last)} if files.last else {}

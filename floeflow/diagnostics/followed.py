@@ -106,10 +106,23 @@ class Step:
 
 
 def step_between(one: Frame, two: Frame) -> Step:
-    """Displacements between two frames without a remap between them."""
+    """Displacements between two frames without a remap between them.
+
+    Parameters
+    ----------
+    one : Frame
+        Frames, in the order of time.
+    two : Frame
+        Frames, in the order of time.
+
+    Returns
+    -------
+    Step
+        Rows in both, displacements (m) and the time between (s).
+    """
     _, i, j = np.intersect1d(one.id, two.id, assume_unique=True, return_indices=True)
     dx, dy = two.path_x[j] - one.path_x[i], two.path_y[j] - one.path_y[i]
     off = np.hypot(two.x[j] - one.x[i] - dx, two.y[j] - one.y[i] - dy)
-    # A limit of no elements is no number.
+    # A limit of no elements is not a number.
     kept = off <= (JUMP * one.spacing if one.id.size else 0.0)
     return Step(i[kept], j[kept], dx[kept], dy[kept], two.time - one.time)

@@ -91,6 +91,18 @@ def hat_reach(state: xr.Dataset, grid: Grid) -> int:
     """Half-width of the hats in grid spacings: about two spacings of the elements.
 
     Fewer leave nodes without enough elements for a plane, more blur without need.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        Elements with ``area`` (m2).
+    grid : Grid
+        Nodes.
+
+    Returns
+    -------
+    int
+        At least 1.
     """
     area = state["area"].values
     area = area[area > 0.0]

@@ -23,12 +23,40 @@ PACK = 0.7
 
 
 def extent(share: Array, area: Array, edge: float = EDGE) -> float:
-    """Area of the cells with at least this share of ice (m2); NaN has none."""
+    """Area of the cells with at least this share of ice (m2); NaN has none.
+
+    Parameters
+    ----------
+    share : ndarray
+        Of ice in each cell, (y, x).
+    area : ndarray
+        Of sea in each cell (m2), (y, x).
+    edge : float, optional
+        Least share that counts.
+
+    Returns
+    -------
+    float
+        m2.
+    """
     return float(np.where(np.nan_to_num(share) >= edge, area, 0.0).sum())
 
 
 def marginal(share: Array, area: Array) -> float:
-    """Area of the cells with 15 to 80 % of ice (m2)."""
+    """Area of the cells with 15 to 80 % of ice (m2).
+
+    Parameters
+    ----------
+    share : ndarray
+        Of ice in each cell, (y, x).
+    area : ndarray
+        Of sea in each cell (m2), (y, x).
+
+    Returns
+    -------
+    float
+        m2.
+    """
     filled = np.nan_to_num(share)
     return float(np.where((filled >= EDGE) & (filled < MARGIN), area, 0.0).sum())
 

@@ -171,7 +171,20 @@ def strain_rates(u: Array, v: Array, spacing: tuple[float, float]) -> tuple[Arra
 
 
 def slope(values: Array, axis: int) -> Array:
-    """Change from cell to cell along an axis, by central differences as far as there are values."""
+    """Change from cell to cell along an axis, by central differences as far as there are values.
+
+    Parameters
+    ----------
+    values : ndarray
+        On a grid; NaN where unknown.
+    axis : int
+        Number of the axis.
+
+    Returns
+    -------
+    ndarray
+        Per cell; one-sided beside NaN, NaN without any neighbour.
+    """
     moved = np.moveaxis(values, axis, -1)
     wide = np.full((*moved.shape[:-1], moved.shape[-1] + 2), np.nan)
     wide[..., 1:-1] = moved

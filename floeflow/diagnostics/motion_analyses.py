@@ -50,7 +50,22 @@ class Wind(Protocol):
     every: int
 
     def at(self, window: int, x: Array, y: Array) -> NDArray[np.complex128]:
-        """Mean wind over a window at places (m/s)."""
+        """Mean wind over a window at places (m/s).
+
+        Parameters
+        ----------
+        window : int
+            Number of the window.
+        x : ndarray
+            Places (m), (n,).
+        y : ndarray
+            Places (m), (n,).
+
+        Returns
+        -------
+        ndarray
+            u + i v, (n,).
+        """
 
 
 @dataclass

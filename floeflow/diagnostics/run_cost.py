@@ -93,7 +93,7 @@ def read_benchmark(path: Path) -> tuple[float, float]:
             rows = list(csv.DictReader(file, delimiter="\t"))
         seconds = sum(float(row["s"]) for row in rows)
     except (OSError, KeyError, ValueError, TypeError):
-        raise FloeError(f"{path}: is no benchmark of Snakemake") from None
+        raise FloeError(f"{path}: is not a benchmark of Snakemake") from None
     sizes = [row.get("max_rss") or "" for row in rows]
     known = [float(size) for size in sizes if re.fullmatch(r"[0-9.]+", size)]
     return seconds, max(known, default=math.nan)

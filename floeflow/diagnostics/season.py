@@ -51,6 +51,18 @@ def central(lon: Array, lat: Array) -> NDArray[np.bool_]:
     """Whether places lie in the deep basin, away from its coasts and from the Atlantic's gates.
 
     North of 80 N; between 40 W and 70 E, where ice leaves for the Atlantic, north of 85 N.
+
+    Parameters
+    ----------
+    lon : ndarray
+        Degrees.
+    lat : ndarray
+        Degrees.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of ``lon``.
     """
     gates = (lon > -40.0) & (lon < 70.0)
     return np.asarray(lat >= np.where(gates, 85.0, 80.0))
@@ -81,7 +93,20 @@ def cycle(grid: xr.Dataset) -> Cycle:
 
 
 def passed(series: Iterable[xr.Dataset], gate: str) -> tuple[float, float]:
-    """Ice that passed a gate in all windows: area (m2) and volume (m3), out minus in."""
+    """Ice that passed a gate in all windows: area (m2) and volume (m3), out minus in.
+
+    Parameters
+    ----------
+    series : iterable of xarray.Dataset
+        Of each chunk of windows.
+    gate : str
+        Its name.
+
+    Returns
+    -------
+    tuple of float
+        m2 and m3.
+    """
     area = volume = 0.0
     for chunk in series:
         area += float(chunk[f"gate_area_{gate}"].sum())
@@ -90,7 +115,20 @@ def passed(series: Iterable[xr.Dataset], gate: str) -> tuple[float, float]:
 
 
 def total(series: Iterable[xr.Dataset], name: str) -> float:
-    """Sum over all windows of one of the series' terms."""
+    """Sum over all windows of one of the series' terms.
+
+    Parameters
+    ----------
+    series : iterable of xarray.Dataset
+        Of each chunk of windows.
+    name : str
+        Of the term.
+
+    Returns
+    -------
+    float
+        In the unit of the term.
+    """
     return sum(float(chunk[name].sum()) for chunk in series)
 
 
@@ -227,12 +265,40 @@ def swing(found: Cycle) -> float:
 
 
 def month_of(found: Cycle, values: Array, *, largest: bool) -> int:
-    """Month of the year (1 to 12) of the largest or the smallest monthly mean."""
+    """Month of the year (1 to 12) of the largest or the smallest monthly mean.
+
+    Parameters
+    ----------
+    found : Cycle
+        Monthly means of the last year.
+    values : ndarray
+        One a month, (months,).
+    largest : bool
+        Whether the largest is asked for.
+
+    Returns
+    -------
+    int
+        1 to 12.
+    """
     at = values.argmax() if largest else values.argmin()
     return int(found.months[at].astype(int) % 12) + 1
 
 
 def by_month(found: Cycle, values: Array) -> Mapping[int, float]:
-    """The last year's monthly means, keyed 1 to 12."""
+    """The last year's monthly means, keyed 1 to 12.
+
+    Parameters
+    ----------
+    found : Cycle
+        Monthly means of the last year.
+    values : ndarray
+        One a month, (months,).
+
+    Returns
+    -------
+    mapping of float
+        In the unit of the values.
+    """
     numbers = found.months.astype(int) % 12 + 1
     return {int(n): float(v) for n, v in zip(numbers, values, strict=True)}

@@ -16,7 +16,7 @@ import pyproj
 import xarray as xr
 from numpy.typing import NDArray
 
-from floeflow.core.atomic_write import write_whole
+from floeflow.core.atomic_write import write_atomically
 from floeflow.core.constants import ICE_DENSITY, SNOW_DENSITY
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import to_lonlat
@@ -190,7 +190,7 @@ def write_dump(frames: xr.Dataset, domain: Domain, path: Path) -> None:
     seconds = np.rint(frames["time"].values).astype(np.int64)
     if np.any(np.diff(seconds) < 1):
         raise FloeError(f"{path}: windows below one second cannot be numbered by their seconds")
-    with write_whole(path) as temporary, temporary.open("w", encoding="ascii") as file:
+    with write_atomically(path) as temporary, temporary.open("w", encoding="ascii") as file:
         for index, second in enumerate(seconds.tolist()):
             file.write(_head(second, frames.sizes["element"], domain))
             file.writelines(_rows(frames.isel(time=index)))

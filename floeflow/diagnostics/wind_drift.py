@@ -77,7 +77,22 @@ class WindFit:
 
 
 def wind_sums(wind: Complex, drift: Complex, weight: Array) -> WindSums:
-    """Sums of a regression over elements, each (element,)."""
+    """Sums of a regression over elements, each (element,).
+
+    Parameters
+    ----------
+    wind : Complex
+        u + i v (m/s), (element,).
+    drift : Complex
+        u + i v (m/s), (element,).
+    weight : ndarray
+        Of each element, (element,).
+
+    Returns
+    -------
+    WindSums
+        Weighted sums; m/s and m2/s2.
+    """
     return WindSums(
         float(weight.sum()),
         complex((weight * wind).sum()),

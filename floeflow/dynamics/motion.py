@@ -62,7 +62,20 @@ class Motion:
 
 
 def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
-    """Parameters of the engine for a scene: SI units, angles in radians."""
+    """Parameters of the engine for a scene: SI units, angles in radians.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its effects and dynamics.
+    time_step : float, optional
+        s.
+
+    Returns
+    -------
+    EngineParams
+        SI units, angles in radians.
+    """
     d = scene.dynamics
     named = plugin_switches(scene.effects)
     switches = {name: True for name in named if name not in FORCES}
@@ -126,6 +139,20 @@ def nearing(scene: Scene, elements: Arrays, forcing: xr.Dataset) -> float:
 
     Ice that nothing hinders drifts with the water and a share of the wind, the root of the drags'
     ratio; contacts only slow it. Without a drag that bounds its speed: infinite.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its effects and dynamics.
+    elements : Arrays
+        Table of n elements, sorted by id.
+    forcing : xarray.Dataset
+        Of the window.
+
+    Returns
+    -------
+    float
+        m.
     """
     params = engine_params(scene)
     if not params.ocean_drag or params.ocean_stress_factor == 0.0:
@@ -149,14 +176,42 @@ def wall_faces(state: xr.Dataset) -> Arrays | None:
 
 
 def without_fixed(elements: Arrays, contacts: Arrays) -> Arrays:
-    """Contacts among mobile elements only."""
+    """Contacts among mobile elements only.
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    contacts : Arrays
+        Contact table of k contacts.
+
+    Returns
+    -------
+    Arrays
+        A new table.
+    """
     fixed = elements["id"][elements["type"] != MOBILE]
     both = ~(np.isin(contacts["id_lo"], fixed) | np.isin(contacts["id_hi"], fixed))
     return {name: values[both] for name, values in contacts.items()}
 
 
 def engine_forcing(scene: Scene, forcing: xr.Dataset, needed: tuple[str, ...]) -> Forcing:
-    """Fields that the engine's switches need, from a window's forcing."""
+    """Fields that the engine's switches need, from a window's forcing.
+
+    Parameters
+    ----------
+    scene : Scene
+        How fields are read: at points or over discs, wind or its stress.
+    forcing : xarray.Dataset
+        Of the window.
+    needed : tuple of str
+        Names of the fields.
+
+    Returns
+    -------
+    Forcing
+        Fields on (time, y, x).
+    """
     fields = {name: forcing[name].values for name in needed}
     return Forcing(
         *(forcing["time"].values, forcing["x"].values, forcing["y"].values, fields),
@@ -270,6 +325,17 @@ def move(
 
 def steps_between(last: Arrays, now: Arrays, seconds: float, period: Period) -> np.ndarray:
     """How far elements of a repeated rectangle went between two samples (m), (2, n).
+
+    Parameters
+    ----------
+    last : Arrays
+        Elements of both samples, in one order, (n,).
+    now : Arrays
+        Elements of both samples, in one order, (n,).
+    seconds : float
+        Between the samples (s).
+    period : Period
+        Along which axes the rectangle repeats itself.
 
     Raises
     ------

@@ -114,6 +114,19 @@ def intervals(
 
     ``means`` says that the records are means over their intervals, not sums.
 
+    Parameters
+    ----------
+    seconds : ndarray
+        Times of the records (s), ascending, (records,).
+    how : str
+        How the file accumulates, as `rates` knows it.
+    midnight : float
+        Time of a midnight, UTC (s).
+    where : tuple of Path and str
+        File and variable, for messages.
+    means : bool, optional
+        Whether the records are means over their intervals.
+
     Raises
     ------
     FloeError
@@ -193,7 +206,20 @@ def plan(
 
 
 def instants(seconds: Array, span: tuple[float, float]) -> Rates:
-    """The records that bracket a span, each of its own time."""
+    """The records that bracket a span, each of its own time.
+
+    Parameters
+    ----------
+    seconds : ndarray
+        Times of the records (s), ascending, (records,).
+    span : tuple of float
+        Start and end (s).
+
+    Returns
+    -------
+    Rates
+        One of each record.
+    """
     first = max(int(np.searchsorted(seconds, span[0], side="right")) - 1, 0)
     last = min(int(np.searchsorted(seconds, span[1], side="left")), seconds.size - 1)
     index = np.arange(first, last + 1)

@@ -13,10 +13,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.core import vectors
-from floeflow.core.atomic_write import write_whole
+from floeflow.core.atomic_write import write_atomically
 from floeflow.core.grids import EARTH_RADIUS, from_lonlat, scene_crs, scene_grid, to_lonlat
 from floeflow.core.times import window_span
-from floeflow.forcings import cf_variables as names
+from floeflow.forcings import cf_variables
 from floeflow.scene.blocks import Cyclone, Gyre, Scene, Weather
 from floeflow.scene.effects import forcing_variables
 
@@ -63,6 +63,20 @@ def gyre_current(gyre: Gyre, x: Array, y: Array) -> tuple[Array, Array]:
     """Current of a gyre without divergence, v = V (r/R) exp((1 - (r/R)^2) / 2).
 
     Largest at r = R. Parameters and result as in `cyclone_wind`.
+
+    Parameters
+    ----------
+    gyre : Gyre
+        Centre (m), radius (m), largest speed (m/s) and sense.
+    x : ndarray
+        Places (m).
+    y : ndarray
+        Places (m).
+
+    Returns
+    -------
+    tuple of ndarray
+        Components (m/s).
     """
     dx, dy = (x - gyre.x) / gyre.radius, (y - gyre.y) / gyre.radius
     speed = gyre.current_speed * np.exp(0.5 * (1.0 - dx**2 - dy**2))
@@ -167,7 +181,7 @@ def make_analytic(scene: Scene, window: int) -> xr.Dataset:
         put("vo", north, "m s-1", "northward_sea_water_velocity")
     for name, value in _weather(scene.forcing.weather).items():
         if name in needed:
-            quantity = names.QUANTITIES[name]
+            quantity = cf_variables.QUANTITIES[name]
             put(quantity.common[0], np.array(value), quantity.si, quantity.standard[0])
     since = scene.time.start.isoformat(sep=" ")
     coords = {
@@ -192,6 +206,13 @@ def _weather(weather: Weather) -> dict[str, float]:
 def write_cf(data: xr.Dataset, path: Path) -> None:
     """Write a CF file whole or not at all, small because uniform fields pack well.
 
+    Parameters
+    ----------
+    data : xarray.Dataset
+        With CF attributes.
+    path : Path
+        NetCDF file, replaced in one step.
+
     Raises
     ------
     FloeError
@@ -202,5 +223,5 @@ def write_cf(data: xr.Dataset, path: Path) -> None:
     }
     for name in data.data_vars:
         encoding[str(name)] |= {"zlib": True, "complevel": 1}
-    with write_whole(path) as temporary:
+    with write_atomically(path) as temporary:
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)

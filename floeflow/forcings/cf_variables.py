@@ -208,6 +208,15 @@ def find_scalar(
 ) -> cf.Variable | None:
     """The variable that holds a quantity, or None.
 
+    Parameters
+    ----------
+    variables : dict of cf.Variable
+        Of the file, by name.
+    name : str
+        Of the quantity in the forcing.
+    path : str or Path
+        Of the file, for messages.
+
     Raises
     ------
     FloeError
@@ -239,6 +248,17 @@ def find_vector(
 
     ``on_lonlat`` tells whether a variable lies on longitude and latitude, where the variables are
     those of several files.
+
+    Parameters
+    ----------
+    variables : dict of cf.Variable
+        Of the file, by name.
+    name : str
+        Of the vector in the forcing, such as ``wind``.
+    path : str or Path
+        Of the file, for messages.
+    on_lonlat : callable, optional
+        Whether a variable lies on longitude and latitude.
 
     Raises
     ------
@@ -291,6 +311,13 @@ EXTREMES = (
 def refuse_extremes(variable: cf.Variable, path: str | Path) -> None:
     """Refuse a day's maximum and the like, which has the standard name of the quantity itself.
 
+    Parameters
+    ----------
+    variable : cf.Variable
+        One of them.
+    path : str or Path
+        Of the file, for messages.
+
     Raises
     ------
     FloeError
@@ -311,6 +338,15 @@ def _quoted(found: list[cf.Variable]) -> str:
 
 def conversion(variable: cf.Variable, si: str, path: str | Path) -> tuple[float, float]:
     """Factor and offset that bring a variable to SI.
+
+    Parameters
+    ----------
+    variable : cf.Variable
+        One of them.
+    si : str
+        SI unit.
+    path : str or Path
+        Of the file, for messages.
 
     Raises
     ------
@@ -338,6 +374,15 @@ def scalar_conversion(
     variable: cf.Variable, quantity: Quantity, path: str | Path
 ) -> tuple[float, float, bool]:
     """Factor and offset that bring a scalar, or a second's share of its sum, to SI; if it is a sum.
+
+    Parameters
+    ----------
+    variable : cf.Variable
+        One of them.
+    quantity : Quantity
+        Its SI unit, and others that are taken.
+    path : str or Path
+        Of the file, for messages.
 
     Raises
     ------

@@ -9,7 +9,7 @@ import zipfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from floeflow.core.atomic_write import write_whole
+from floeflow.core.atomic_write import write_atomically
 from floeflow.core.errors import FloeError
 from floeflow.scene.blocks import Scene
 
@@ -43,6 +43,13 @@ def forcing_files(scene: Scene) -> list[Path]:
 def all_files(given: Iterable[str], key: str) -> list[Path]:
     """Files that names and patterns mean, archives unpacked; ``key`` asked for them.
 
+    Parameters
+    ----------
+    given : iterable of str
+        Names and patterns.
+    key : str
+        Of the scene, for messages.
+
     Raises
     ------
     FloeError
@@ -64,6 +71,13 @@ def all_files(given: Iterable[str], key: str) -> list[Path]:
 def unzip(path: Path, folder: Path = UNPACKED) -> list[Path]:
     """Unpack an archive's data files, once: ERA5 comes as one.
 
+    Parameters
+    ----------
+    path : Path
+        ZIP archive.
+    folder : Path, optional
+        In which the files are kept.
+
     Raises
     ------
     FloeError
@@ -84,7 +98,7 @@ def unzip(path: Path, folder: Path = UNPACKED) -> list[Path]:
                     continue
                 target = into / name
                 if not target.is_file():
-                    with write_whole(target) as temporary:
+                    with write_atomically(target) as temporary:
                         Path(temporary).write_bytes(archive.read(item))
                 found.append(target)
     except (OSError, zipfile.BadZipFile, RuntimeError) as error:

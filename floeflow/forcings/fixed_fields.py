@@ -20,7 +20,7 @@ from floeflow.core.constants import EARTH_ROTATION
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
 from floeflow.core.input_files import Hints
-from floeflow.forcings import cf_variables as names
+from floeflow.forcings import cf_variables
 from floeflow.forcings.tracks import InputFile, open_files
 from floeflow.scene.blocks import Domain, Scene
 
@@ -36,7 +36,20 @@ FINER = 2.2
 
 
 def fixed(name: str, unit: str) -> Callable[[Callable[[Scene], Array]], Callable[[Scene], Array]]:
-    """Register the function that makes a fixed field of the forcing."""
+    """Register the function that makes a fixed field of the forcing.
+
+    Parameters
+    ----------
+    name : str
+        Of the field.
+    unit : str
+        SI unit.
+
+    Returns
+    -------
+    callable
+        Decorator of a function from the scene to values on its grid, (ny, nx).
+    """
 
     def register(function: Callable[[Scene], Array]) -> Callable[[Scene], Array]:
         FIXED[name] = function, unit
@@ -82,7 +95,7 @@ def _depth_of_file(file: str, variable: str, crs: str, domain: Domain, stamp: in
 def _read_depth(file: InputFile, asked: str, domain: Domain) -> Array:
     path = file.path
     found, up = find_depth(file, asked)
-    factor, offset = names.conversion(found, "m", path)
+    factor, offset = cf_variables.conversion(found, "m", path)
     layout, source = file.layout(found), file.source(found)
     once = np.zeros(1, np.int64)
     raw = fields.read_values(file.data, found.name, layout, source, once, path)
@@ -109,22 +122,29 @@ def _read_depth(file: InputFile, asked: str, domain: Domain) -> Array:
 def find_depth(file: InputFile, asked: str) -> tuple[cf.Variable, bool]:
     """The variable of a file that tells the sea floor, and whether it counts upwards.
 
+    Parameters
+    ----------
+    file : InputFile
+        Bathymetry.
+    asked : str
+        Name of the variable; empty to look for its standard name.
+
     Raises
     ------
     FloeError
         Where there is none, or the one that was asked for is not there.
     """
-    up = names.find_scalar(file.variables, "sea_floor_height", file.path)
+    up = cf_variables.find_scalar(file.variables, "sea_floor_height", file.path)
     if asked:
         variable = cf.named(file.variables, asked, file.path, "grounding.variable")
         upward = variable.text("positive") == "up" or (up is not None and up.name == variable.name)
         return variable, upward
-    down = names.find_scalar(file.variables, "sea_floor_depth", file.path)
+    down = cf_variables.find_scalar(file.variables, "sea_floor_depth", file.path)
     if down is not None:
         return down, False
     if up is not None:
         return up, True
-    standard = names.QUANTITIES["sea_floor_depth"].standard[0]
+    standard = cf_variables.QUANTITIES["sea_floor_depth"].standard[0]
     raise FloeError(
         f"{file.path}: has no depth of the sea: no standard_name {standard}; name its variable in "
         "grounding.variable"

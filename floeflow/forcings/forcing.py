@@ -23,8 +23,7 @@ from floeflow.core.errors import FloeError
 from floeflow.core.fields import AnySource
 from floeflow.core.grids import Grid, scene_crs, scene_grid, to_lonlat
 from floeflow.core.times import say, window_span
-from floeflow.forcings import cf_variables as names
-from floeflow.forcings import fallback
+from floeflow.forcings import cf_variables, fallback
 from floeflow.forcings.accumulate import Rates
 from floeflow.forcings.climatology import window_forcing
 from floeflow.forcings.fixed_fields import FIXED
@@ -55,7 +54,6 @@ UNITS = {
     "snowfall": "kg m-2 s-1",
     "ocean_heat_flux": "W m-2",
     "sea_surface_temperature": "K",
-    **{name: unit for name, (_, unit) in FIXED.items()},
 }
 
 
@@ -102,7 +100,25 @@ class Places:
         return f"{abs(lat):.1f} {north}, {abs(lon):.1f} {east}"
 
     def values(self, track: Track, plan: Rates) -> Array:
-        """Values of a plan's records on the file's grid, nothing missing where it is needed."""
+        """Values of a plan's records on the file's grid, nothing missing where it is needed.
+
+        Parameters
+        ----------
+        track : Track
+            Variable of the files.
+        plan : Rates
+            Which records.
+
+        Returns
+        -------
+        ndarray
+            On the scene's grid, (records, ny, nx), in the unit of the forcing.
+
+        Raises
+        ------
+        FloeError
+            For a variable without values where they are needed.
+        """
         found = self.transfer(track)
         values = track.values(plan.index)
         missing = np.isnan(values)
@@ -131,15 +147,28 @@ class Places:
 
 
 def places_of(scene: Scene, span: tuple[float, float]) -> Places:
-    """The places of a scene for a span of time (s since its start)."""
+    """The places of a scene for a span of time (s since its start).
+
+    Parameters
+    ----------
+    scene : Scene
+        Its grid and projection.
+    span : tuple of float
+        Start and end (s since the scene's start).
+
+    Returns
+    -------
+    Places
+        Grid of the scene in projection and in degrees.
+    """
     grid, crs = scene_grid(scene.domain), scene_crs(scene.domain)
     return Places(scene, grid, crs, *to_lonlat(crs, *grid.mesh()), span)
 
 
 def _scalar(places: Places, name: str, track: Track) -> tuple[Array, Array]:
     """Times and SI values (time, place) of a scalar; refuses values that cannot be."""
-    quantity = names.QUANTITIES[name]
-    factor, offset, summed = names.scalar_conversion(track.variable, quantity, track.path)
+    quantity = cf_variables.QUANTITIES[name]
+    factor, offset, summed = cf_variables.scalar_conversion(track.variable, quantity, track.path)
     plan = track.records(places.span)
     values = factor * places.values(track, plan) + offset
     at_scene = plan.of(places.transfer(track).of(values))
@@ -149,7 +178,7 @@ def _scalar(places: Places, name: str, track: Track) -> tuple[Array, Array]:
     if low < quantity.low - slack or high > quantity.high + slack:
         raise FloeError(
             f"{track.path}: '{track.name}' reaches from {low:g} to {high:g} {quantity.si}, "
-            f"outside {quantity.low:g} to {quantity.high:g}: check its units"
+            f"outside {quantity.low:g} to {quantity.high:g} {quantity.si}: check its units"
         )
     return plan.seconds, np.clip(at_scene, quantity.low, quantity.high)
 
@@ -167,7 +196,7 @@ def _vector(
         For components of different times, that are too fast, whose stress cannot be known, or
         that cannot be turned to the scene's axes.
     """
-    high = names.VECTORS[name].high
+    high = cf_variables.VECTORS[name].high
     one, other = pair
     said = f"{one.path}: '{one.name}' and '{other.name}'"
     plans = [track.records(places.span) for track in pair]
@@ -178,7 +207,7 @@ def _vector(
     sources = [track.source() for track in pair]
     raw = []
     for track, plan in zip(pair, plans, strict=True):
-        factor, _ = names.conversion(track.variable, names.VECTOR_UNITS, track.path)
+        factor, _ = cf_variables.conversion(track.variable, cf_variables.VECTOR_UNITS, track.path)
         raw.append(factor * places.values(track, plan))
     together = raw[0].shape == raw[1].shape
     fastest = np.hypot(*raw) if together else np.concatenate([part.ravel() for part in raw])
@@ -210,6 +239,11 @@ def _vector(
     return plans[0].seconds, u, v
 
 
+def field_units() -> dict[str, str]:
+    """SI units of the forcing by variable, vectors without component; fixed fields have theirs."""
+    return UNITS | {name: unit for name, (_, unit) in FIXED.items()}
+
+
 def make_forcing(
     scene: Scene, source: str | Path | Sequence[str | Path], window: int
 ) -> xr.Dataset:
@@ -238,7 +272,7 @@ def make_forcing(
         For what is missing, does not cover scene or window, or cannot be.
     """
     if scene.forcing.source == "climatology":
-        return window_forcing(scene, window, UNITS)
+        return window_forcing(scene, window, field_units())
     paths = [Path(source)] if isinstance(source, str | Path) else [Path(item) for item in source]
     span = window_span(window, scene.time.window)
     places = places_of(scene, span)
@@ -316,13 +350,13 @@ def _dataset(
     window: int,
     said: dict[str, str],
 ) -> xr.Dataset:
-    data_vars = {}
+    data_vars, units = {}, field_units()
     for name in forcing_variables(scene.effects):
         dims = ("y", "x") if name in FIXED else ("time", "y", "x")
         shape = grid.shape if name in FIXED else (time.size, *grid.shape)
         values = np.ascontiguousarray(made[name]).reshape(shape)
-        units = UNITS[name.removesuffix("_u").removesuffix("_v")]
-        data_vars[name] = (dims, values, {"units": units})
+        unit = units[name.removesuffix("_u").removesuffix("_v")]
+        data_vars[name] = (dims, values, {"units": unit})
     log.info("window %d: %d times, %d variables", window, time.size, len(data_vars))
     coords = {
         "time": ("time", time, {"units": "s", "long_name": "time since the scene's start"}),

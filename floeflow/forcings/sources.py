@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from floeflow.core import cf_reading as cf
 from floeflow.core.errors import FloeError
 from floeflow.core.input_files import Hints
-from floeflow.forcings import cf_variables as names
+from floeflow.forcings import cf_variables
 from floeflow.forcings.fixed_fields import FIXED
 from floeflow.forcings.tracks import Clock, InputFile, Track
 from floeflow.scene.blocks import Scene
@@ -62,6 +62,15 @@ def forcing_hints(scene: Scene) -> Hints:
 def find_sources(scene: Scene, files: Sequence[InputFile], advise: bool = True) -> Sources:
     """Look for what the effects need; ``advise`` adds which keys of a scene help.
 
+    Parameters
+    ----------
+    scene : Scene
+        Its effects.
+    files : sequence of InputFile
+        Of the forcing, in the order in which they count.
+    advise : bool, optional
+        Whether messages name keys of a scene that help.
+
     Raises
     ------
     FloeError
@@ -75,7 +84,7 @@ def find_sources(scene: Scene, files: Sequence[InputFile], advise: bool = True) 
         if name not in FIXED
     )
     for name in wanted:
-        if name in names.VECTORS:
+        if name in cf_variables.VECTORS:
             search.vector(name)
         else:
             search.scalar(name)
@@ -112,11 +121,11 @@ class _Search:
 
     def find(self, name: str) -> Track | None:
         """The first file's variable of a scalar's name."""
-        quantity = names.QUANTITIES[name]
+        quantity = cf_variables.QUANTITIES[name]
         for number, file in enumerate(self.files):
-            variable = names.find_scalar(file.variables, name, file.path)
+            variable = cf_variables.find_scalar(file.variables, name, file.path)
             if variable is not None:
-                summed = names.scalar_conversion(variable, quantity, file.path)[2]
+                summed = cf_variables.scalar_conversion(variable, quantity, file.path)[2]
                 return Track(
                     *(self.files[number:], variable.name, summed, quantity.ocean, self.clock),
                     AIR_HEIGHT,
@@ -129,7 +138,7 @@ class _Search:
         if found is not None:
             self.tracks[name] = found
             return
-        said = f"no {name}: no standard_name {names.QUANTITIES[name].standard[0]}"
+        said = f"no {name}: no standard_name {cf_variables.QUANTITIES[name].standard[0]}"
         if name in SUBSTITUTES:
             first, second = SUBSTITUTES[name]
             pair = self.find(first), self.find(second)
@@ -141,8 +150,8 @@ class _Search:
                     self.fallbacks[second] = "weather"
                 return
             said = (
-                f"no {name}: neither standard_name {names.QUANTITIES[name].standard[0]} nor "
-                f"{names.QUANTITIES[first].standard[0]} with {second.replace('_', ' ')}"
+                f"no {name}: neither standard_name {cf_variables.QUANTITIES[name].standard[0]} nor "
+                f"{cf_variables.QUANTITIES[first].standard[0]} with {second.replace('_', ' ')}"
             )
         self._fall_back(name, "weather", "weather" if name in DEFAULTS else "", said)
 
@@ -165,7 +174,7 @@ class _Search:
         fault: FloeError | None = None
         for number, file in enumerate(self.files):
             try:
-                found = names.find_vector(file.variables, name, file.path, file.on_lonlat)
+                found = cf_variables.find_vector(file.variables, name, file.path, file.on_lonlat)
             except FloeError as error:
                 fault = fault or error
                 continue
@@ -177,7 +186,7 @@ class _Search:
             return
         if fault is not None:
             raise fault
-        u, v = names.VECTORS[name].east_north[0]
+        u, v = cf_variables.VECTORS[name].east_north[0]
         self._fall_back(name, name, "", f"no {name}: no standard_names {u} and {v}")
 
     def _apart(self, name: str) -> bool:
@@ -195,7 +204,7 @@ class _Search:
             owner = next(file for file in self.files if variable.name in file.variables)
             return owner.layout(owner.variables[variable.name]).lonlat
 
-        found = names.find_vector(both, name, label(self.files), on_lonlat)
+        found = cf_variables.find_vector(both, name, label(self.files), on_lonlat)
         if found is None:
             return False
         files = []
@@ -205,11 +214,15 @@ class _Search:
         self._take(name, found, files)
         return True
 
-    def _take(self, name: str, found: names.FoundVector, files: list[list[InputFile]]) -> None:
+    def _take(
+        self, name: str, found: cf_variables.FoundVector, files: list[list[InputFile]]
+    ) -> None:
         pair = []
         for part, rest in zip((found.u, found.v), files, strict=True):
-            names.conversion(rest[0].variables[part.name], names.VECTOR_UNITS, rest[0].path)
-            ocean = names.VECTORS[name].ocean
+            cf_variables.conversion(
+                rest[0].variables[part.name], cf_variables.VECTOR_UNITS, rest[0].path
+            )
+            ocean = cf_variables.VECTORS[name].ocean
             pair.append(Track(rest, part.name, False, ocean, self.clock, WIND_HEIGHT))
         self.tracks[name] = (pair[0], pair[1])
         self.east_north[name] = found.east_north

@@ -86,7 +86,25 @@ class InputFile:
 
 
 def open_files(paths: Sequence[Path], hints: Hints | None) -> list[InputFile]:
-    """Open files, in the order in which they count."""
+    """Open files, in the order in which they count.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Files.
+    hints : Hints or None
+        What the scene says of them.
+
+    Returns
+    -------
+    list of InputFile
+        With their variables.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read.
+    """
     found = []
     for path in paths:
         data = fields.open_file(path, hints)
@@ -260,7 +278,7 @@ class Track:
             raise FloeError(
                 f"{self.path}: '{self.name}' is of {times.say(self.clock.start, seconds[0])}, "
                 f"{days:.0f} days from the scene's start; forcing.days_off allows "
-                f"{self.clock.days_off:g}"
+                f"{self.clock.days_off:g} days"
             )
 
     def _how(self) -> str:
@@ -323,6 +341,17 @@ class Track:
 def check_alike(one: cf.Variable, path: Path, other: cf.Variable, other_path: Path) -> None:
     """Refuse parts of one series whose numbers do not mean the same: other units, other axes.
 
+    Parameters
+    ----------
+    one : cf.Variable
+        Variables of the two files.
+    path : Path
+        Of the files, for messages.
+    other : cf.Variable
+        Variables of the two files.
+    other_path : Path
+        Of the files, for messages.
+
     Raises
     ------
     FloeError
@@ -345,7 +374,20 @@ def check_alike(one: cf.Variable, path: Path, other: cf.Variable, other_path: Pa
 
 
 def same_grid(one: fields.AnySource, other: fields.AnySource) -> bool:
-    """Whether two grids have the same places, to a tenth of a second of arc, or a metre."""
+    """Whether two grids have the same places, to a tenth of a second of arc, or a metre.
+
+    Parameters
+    ----------
+    one : fields.AnySource
+        Grids of two variables.
+    other : fields.AnySource
+        Grids of two variables.
+
+    Returns
+    -------
+    bool
+        False for grids of different kinds.
+    """
     if one is other:
         return True
     if type(one) is not type(other) or fields.shape_of(one) != fields.shape_of(other):
@@ -362,7 +404,28 @@ def same_grid(one: fields.AnySource, other: fields.AnySource) -> bool:
 def check_axis(
     seconds: Array, first: float, last: float, clock: Clock, path: Path, name: str
 ) -> None:
-    """Refuse a time axis that does not ascend, or has a gap between first and last (s)."""
+    """Refuse a time axis that does not ascend, or has a gap between first and last (s).
+
+    Parameters
+    ----------
+    seconds : ndarray
+        Of the records, since the scene's start (s), (records,).
+    first : float
+        Span that is needed (s).
+    last : float
+        Span that is needed (s).
+    clock : Clock
+        Of the scene, for messages.
+    path : Path
+        Of the file, for messages.
+    name : str
+        Of the time variable, for messages.
+
+    Raises
+    ------
+    FloeError
+        For an axis that does not ascend, or has a gap.
+    """
     steps = np.diff(seconds)
     if np.any(steps <= 0):
         raise FloeError(f"{path}: time variable '{name}' does not ascend")
@@ -375,7 +438,28 @@ def check_axis(
 def check_cover(
     seconds: Array, first: float, last: float, clock: Clock, path: Path, name: str
 ) -> None:
-    """Refuse a time axis that does not ascend, or reach from first to last (s) without gaps."""
+    """Refuse a time axis that does not ascend, or reach from first to last (s) without gaps.
+
+    Parameters
+    ----------
+    seconds : ndarray
+        Of the records, since the scene's start (s), (records,).
+    first : float
+        Span that is needed (s).
+    last : float
+        Span that is needed (s).
+    clock : Clock
+        Of the scene, for messages.
+    path : Path
+        Of the file, for messages.
+    name : str
+        Of the variable, for messages.
+
+    Raises
+    ------
+    FloeError
+        For an axis that does not ascend, has a gap, or is too short.
+    """
     check_axis(seconds, first, last, clock, path, name)
     if seconds[0] > first or seconds[-1] < last:
         span = [times.say(clock.start, float(item)) for item in (seconds[0], seconds[-1])]

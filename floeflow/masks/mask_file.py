@@ -51,6 +51,15 @@ def find_concentration(
 
     A file of one map alone, as a picture, has no other.
 
+    Parameters
+    ----------
+    variables : dict of cf.Variable
+        Of the file, by name.
+    asked : str
+        Name of the variable; empty to look for its standard name.
+    path : str or Path
+        Of the file, for messages.
+
     Raises
     ------
     FloeError
@@ -103,6 +112,19 @@ def nearest_time(
 
     A mean over time is off by nothing inside of its bounds. NaN where the file has no time.
 
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of the file, not decoded.
+    variables : dict of cf.Variable
+        Of the file, by name.
+    layout : cf.Layout
+        Dimensions of the variable.
+    scene : Scene
+        Its start, and ``mask.days_off``.
+    path : str or Path
+        Of the file, for messages.
+
     Raises
     ------
     FloeError
@@ -126,7 +148,7 @@ def nearest_time(
     if days > scene.mask.days_off:
         raise FloeError(
             f"{path}: its nearest time is {times.say(start, float(seconds[index]))}, {days:.0f} "
-            f"days from the scene's start; mask.days_off allows {scene.mask.days_off:g}"
+            f"days from the scene's start; mask.days_off allows {scene.mask.days_off:g} days"
         )
     return (index if layout.time else 0), days
 
@@ -135,6 +157,17 @@ def wanted_variables(
     scene: Scene, data: xr.Dataset, variables: dict[str, cf.Variable], path: Path
 ) -> dict[str, Wanted]:
     """The variables that the mask needs: ``concentration``, and those that the scene names.
+
+    Parameters
+    ----------
+    scene : Scene
+        Block ``mask``.
+    data : xarray.Dataset
+        Of the file, not decoded.
+    variables : dict of cf.Variable
+        Of the file, by name.
+    path : Path
+        Of the file, for messages.
 
     Raises
     ------
@@ -190,6 +223,13 @@ def check_mask_file(scene: Scene) -> None:
 
 def share_factor(variable: cf.Variable, path: str | Path) -> float:
     """Factor that brings a concentration to a share by its units: 1 or 0.01.
+
+    Parameters
+    ----------
+    variable : cf.Variable
+        One of them.
+    path : str or Path
+        Of the file, for messages.
 
     Raises
     ------
@@ -255,7 +295,27 @@ def as_share(found: Values, variable: cf.Variable, path: str | Path) -> tuple[Ar
 
 
 def as_metres(values: Array, variable: cf.Variable, path: str | Path) -> Array:
-    """Ice thickness in metres; see `as_share`."""
+    """Ice thickness in metres; see `as_share`.
+
+    Parameters
+    ----------
+    values : ndarray
+        In the unit of the variable.
+    variable : cf.Variable
+        With its attributes.
+    path : str or Path
+        Of the file, for messages.
+
+    Returns
+    -------
+    ndarray
+        m, not below 0.
+
+    Raises
+    ------
+    FloeError
+        For another unit, or for values that no ice has.
+    """
     given = variable.text("units")
     metres = units.is_length(given) if given else None
     what = f"{path}: variable '{variable.name}'"

@@ -76,6 +76,20 @@ def rim_mean(values: Array, south: float, lat: Array) -> float | None:
     """Mean of the known values on the rim of a hole, each weighted by its latitude's circle.
 
     Returns None where there are none.
+
+    Parameters
+    ----------
+    values : ndarray
+        On the grid; NaN where unknown.
+    south : float
+        Latitude of the hole's rim (degrees north).
+    lat : ndarray
+        Latitudes of the values (degrees north).
+
+    Returns
+    -------
+    float or None
+        In the unit of the values.
     """
     rim = np.isfinite(values) & (lat >= south - RIM)
     if not rim.any():

@@ -94,7 +94,20 @@ def _box(west: float, east: float, south: float, north: float) -> shapely.Polygo
 
 
 def polygon_cells(polygons: list[shapely.Geometry], grid: Grid) -> Flags:
-    """Cells of a grid whose centres lie in one of some polygons (m), (ny, nx)."""
+    """Cells of a grid whose centres lie in one of some polygons (m), (ny, nx).
+
+    Parameters
+    ----------
+    polygons : list of shapely.Geometry
+        m, in the projection of the grid.
+    grid : Grid
+        Cells.
+
+    Returns
+    -------
+    Flags
+        bool.
+    """
     inside = np.zeros(grid.shape, dtype=bool)
     for polygon in polygons:
         inside |= within(polygon, *grid.mesh())
@@ -102,5 +115,25 @@ def polygon_cells(polygons: list[shapely.Geometry], grid: Grid) -> Flags:
 
 
 def shore_cells(path: str, grid: Grid, crs: str) -> Flags:
-    """Cells of land by a shoreline of the user's: polygons of a file, (ny, nx)."""
+    """Cells of land by a shoreline of the user's: polygons of a file, (ny, nx).
+
+    Parameters
+    ----------
+    path : str
+        File of polygons.
+    grid : Grid
+        Cells.
+    crs : str
+        Projection of the grid.
+
+    Returns
+    -------
+    Flags
+        bool.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read, or holds no polygons.
+    """
     return polygon_cells([polygon for polygon, _ in read_polygons(path, crs)], grid)

@@ -65,7 +65,22 @@ REACH = 2.5e5
 
 
 def climatological_thickness(lon: Array, lat: Array, day: datetime) -> Array:
-    """Mean thickness of closed ice (m) at places (degrees), all of one hemisphere, on a day."""
+    """Mean thickness of closed ice (m) at places (degrees), all of one hemisphere, on a day.
+
+    Parameters
+    ----------
+    lon : ndarray
+        Degrees.
+    lat : ndarray
+        Degrees.
+    day : datetime
+        Date.
+
+    Returns
+    -------
+    ndarray
+        m, of the shape of ``lon``.
+    """
     northern = bool(lat.mean() > 0)
     table, season = (NORTH, SEASON_NORTH) if northern else (SOUTH, SEASON_SOUTH)
     weights = blend(lon.ravel(), lat.ravel(), np.array(list(table), float), REACH)

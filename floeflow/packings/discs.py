@@ -244,7 +244,20 @@ def apart(points: Array, radius: Array, mobile: int, period: Period | None = Non
 
 
 def outlines(places: Array, radius: Array) -> Array:
-    """Corners (m), (n, 24, 2), anticlockwise, of regular polygons of the discs' areas."""
+    """Corners (m), (n, 24, 2), anticlockwise, of regular polygons of the discs' areas.
+
+    Parameters
+    ----------
+    places : ndarray
+        Centres (m), (n, 2).
+    radius : ndarray
+        m, (n,).
+
+    Returns
+    -------
+    ndarray
+        The polygons.
+    """
     angle = 2.0 * np.pi * (np.arange(CORNERS) + 0.5) / CORNERS
     share = np.sqrt(2.0 * np.pi / (CORNERS * np.sin(2.0 * np.pi / CORNERS)))
     round_ = share * np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -86,12 +86,38 @@ def grid_of(mask: xr.Dataset) -> Grid:
 
 
 def ordered(grid: Grid, places: Array) -> Array:
-    """Points in the order of a Hilbert curve, so that neighbours are near in memory."""
+    """Points in the order of a Hilbert curve, so that neighbours are near in memory.
+
+    Parameters
+    ----------
+    grid : Grid
+        Rectangle that the curve fills.
+    places : ndarray
+        m, (n, 2).
+
+    Returns
+    -------
+    ndarray
+        The same points.
+    """
     return places[hilbert_order(grid, places)]
 
 
 def hilbert_order(grid: Grid, places: Array) -> Index:
-    """Rows of points in the order of a Hilbert curve."""
+    """Rows of points in the order of a Hilbert curve.
+
+    Parameters
+    ----------
+    grid : Grid
+        Rectangle that the curve fills.
+    places : ndarray
+        m, (n, 2).
+
+    Returns
+    -------
+    Index
+        (n,).
+    """
     side = grid.spacing * max(grid.shape)
     key = points.hilbert_key(places[:, 0], places[:, 1], grid.x_min, grid.y_min, side)
     return np.argsort(key, kind="stable")
@@ -110,7 +136,20 @@ def _rings(polygons: NDArray[np.object_], count: int) -> tuple[Index, Array]:
 
 
 def packing_dataset(mask: xr.Dataset, elements: Elements) -> xr.Dataset:
-    """Elements sorted by id, mobile ones first; see docs/theory/packing.md."""
+    """Elements sorted by id, mobile ones first; see docs/theory/packing.md.
+
+    Parameters
+    ----------
+    mask : xarray.Dataset
+        Whose ocean is claimed by the elements.
+    elements : Elements
+        Places, discs and cells.
+
+    Returns
+    -------
+    xarray.Dataset
+        SI units; polygons as rings.
+    """
     count, mobile = len(elements.radius), elements.count
 
     def padded(values: Array) -> Array:

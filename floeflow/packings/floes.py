@@ -116,7 +116,20 @@ def _outline(grid: Grid, pixels: Index) -> shapely.Geometry:
 
 
 def disc_counts(area: Array, elements: int) -> Index:
-    """How many discs each floe gets, (f,), for about so many in all."""
+    """How many discs each floe gets, (f,), for about so many in all.
+
+    Parameters
+    ----------
+    area : ndarray
+        Of the floes, in any unit, (f,).
+    elements : int
+        About how many discs there shall be.
+
+    Returns
+    -------
+    Index
+        At least 1 each, (f,).
+    """
     share = area / (area.sum() / elements)
     return np.where(share < ALONE, 1, np.maximum(FEWEST, np.round(share))).astype(np.int64)
 

@@ -33,7 +33,22 @@ RELAXATIONS = 20
 
 
 def reachable(grid: Grid, ice: Flags, land: Flags) -> Flags:
-    """Sea that the ice can reach: ice, and water up to `discs.REACH` from it by sea, (ny, nx)."""
+    """Sea that the ice can reach: ice, and water up to `discs.REACH` from it by sea, (ny, nx).
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells of the mask.
+    ice : Flags
+        Cells with ice, and land, (ny, nx).
+    land : Flags
+        Cells with ice, and land, (ny, nx).
+
+    Returns
+    -------
+    Flags
+        bool.
+    """
     steps = int(np.ceil(discs.REACH / grid.spacing))
     return np.asarray(binary_dilation(ice, iterations=steps, mask=~land))
 

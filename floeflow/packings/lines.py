@@ -18,7 +18,20 @@ SHORTEST = 1.0e-6
 
 
 def diagram_around(places: Array, radius: Array) -> Diagram:
-    """Power diagram of discs (m), (n, 2) and (n,), in the square around them."""
+    """Power diagram of discs (m), (n, 2) and (n,), in the square around them.
+
+    Parameters
+    ----------
+    places : ndarray
+        Centres (m), (n, 2).
+    radius : ndarray
+        m, (n,).
+
+    Returns
+    -------
+    Diagram
+        Cells of the discs.
+    """
     low, high = places - radius[:, None], places + radius[:, None]
     side = float((places.max(axis=0) - places.min(axis=0)).max() + 2.0 * radius.max())
     left, bottom = (float(edge) for edge in low.min(axis=0))

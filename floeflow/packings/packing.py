@@ -46,13 +46,45 @@ MOST = 3.0
 
 
 def mean_radii(grid: Grid, ice: Flags, elements: int, size: Array) -> Array:
-    """Radius (m) of a circle of an element's area, by place, (ny, nx)."""
+    """Radius (m) of a circle of an element's area, by place, (ny, nx).
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells of the mask.
+    ice : Flags
+        Cells with ice, (ny, nx).
+    elements : int
+        Number of elements.
+    size : ndarray
+        Relative size by place, (ny, nx).
+
+    Returns
+    -------
+    ndarray
+        m.
+    """
     density = size[ice] ** -2.0
     return size * grid.spacing * float(np.sqrt(density.sum() / elements / np.pi))
 
 
 def own_sizes(elements: int, spread: float, generator: np.random.Generator) -> Array:
-    """Sizes of elements over the mean one of their place: lognormal, mean square 1, (n,)."""
+    """Sizes of elements over the mean one of their place: lognormal, mean square 1, (n,).
+
+    Parameters
+    ----------
+    elements : int
+        Number of elements, n.
+    spread : float
+        Relative spread of sizes; 0 makes all alike.
+    generator : numpy.random.Generator
+        Of random numbers.
+
+    Returns
+    -------
+    ndarray
+        1.
+    """
     if spread == 0.0:
         return np.ones(elements)
     wide = SPREAD_GAIN * spread
@@ -165,7 +197,31 @@ def tessellate(mask: xr.Dataset, discs_of: tuple[Array, Array], count: int) -> E
 def tessellated(
     mask: xr.Dataset, packing: Packing, seed: int, coast_effect: bool, walls: Arrays | None
 ) -> Elements:
-    """Cells that fill the ice (generator tessellation); see `make_packing`."""
+    """Cells that fill the ice (generator tessellation); see `make_packing`.
+
+    Parameters
+    ----------
+    mask : xarray.Dataset
+        Ice and land.
+    packing : Packing
+        Block ``packing`` of the scene.
+    seed : int
+        Of the random numbers.
+    coast_effect : bool
+        Whether elements line the coast.
+    walls : Arrays or None
+        Faces that no element reaches across.
+
+    Returns
+    -------
+    Elements
+        Places, discs and cells.
+
+    Raises
+    ------
+    FloeError
+        For a packing that cannot be made.
+    """
     grid = grid_of(mask)
     land, ice = mask["land"].values > 0, mask["siconc"].values > 0
     coarse = 2.0 * grid.spacing * float(np.sqrt(ice.sum() / packing.elements / np.pi))

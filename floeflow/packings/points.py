@@ -158,7 +158,22 @@ def blue_noise(
 
 
 def on_ice(grid: Grid, ice: Flags, points: Array) -> Flags:
-    """Whether points lie in cells with ice; none off the grid does."""
+    """Whether points lie in cells with ice; none off the grid does.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells of the mask.
+    ice : Flags
+        Cells with ice, (ny, nx).
+    points : ndarray
+        m, (n, 2).
+
+    Returns
+    -------
+    Flags
+        (n,), bool.
+    """
     x, y = points[:, 0], points[:, 1]
     row, column = grid.cell_of(x, y)
     inside = (x >= grid.x_edges[0]) & (x <= grid.x_edges[-1])
@@ -211,7 +226,22 @@ def lloyd(
 
 
 def cell_areas(points: Array, marks: Samples, weight: Array | None = None) -> Array:
-    """Area (m2) of the samples that belong to each point (n, 2), (n,)."""
+    """Area (m2) of the samples that belong to each point (n, 2), (n,).
+
+    Parameters
+    ----------
+    points : ndarray
+        m, (n, 2).
+    marks : Samples
+        Points that stand for area (m2) of ice.
+    weight : ndarray, optional
+        Of the power diagram (m2), (n,); without it each sample belongs to the nearest point.
+
+    Returns
+    -------
+    ndarray
+        m2.
+    """
     owner = owners(points, marks.points, weight)
     return np.bincount(owner, weights=marks.area, minlength=len(points)).astype(float)
 

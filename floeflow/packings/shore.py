@@ -62,7 +62,20 @@ class Shore:
         return moves, deepest
 
     def before(self, places: Array, least: Array) -> Array:
-        """Places that lie a little behind a plane, or nearer than `least` (m), moved before it."""
+        """Places that lie a little behind a plane, or nearer than `least` (m), moved before it.
+
+        Parameters
+        ----------
+        places : ndarray
+            m, (n, 2).
+        least : ndarray
+            m, (n,).
+
+        Returns
+        -------
+        ndarray
+            m, (n, 2).
+        """
         places = places.copy()
         for k in range(len(self.planes["ax"])):
             normal, height = self._plane(places, k)

@@ -190,7 +190,20 @@ def overlay(polygons: NDArray[np.object_], grid: Grid, ice: Flags) -> Overlay:
 
 
 def cell_corners(grid: Grid, cells: Index) -> tuple[Index, Array]:
-    """Squares of mask cells, given by flat index, as open rings: starts, and corners (m)."""
+    """Squares of mask cells, given by flat index, as open rings: starts, and corners (m).
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells of the mask.
+    cells : Index
+        Flat index, (k,).
+
+    Returns
+    -------
+    tuple of Index and ndarray
+        (k + 1,), and (4 k, 2).
+    """
     row, column = np.divmod(cells, grid.x.size)
     x, y = grid.x_edges, grid.y_edges
     west, south, east, north = x[column], y[row], x[column + 1], y[row + 1]
@@ -199,7 +212,22 @@ def cell_corners(grid: Grid, cells: Index) -> tuple[Index, Array]:
 
 
 def touched(grid: Grid, ice: Flags, bounds: Array) -> tuple[Index, Index]:
-    """Pairs of rectangle (west, south, east, north) and flat flagged cell that meet, sorted."""
+    """Pairs of rectangle (west, south, east, north) and flat flagged cell that meet, sorted.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells of the mask.
+    ice : Flags
+        Flags, (ny, nx).
+    bounds : ndarray
+        Rectangles (m), (n, 4).
+
+    Returns
+    -------
+    tuple of Index
+        Rectangle and cell of each pair, (pairs,).
+    """
     first_row, first_column = grid.cell_of(bounds[:, 0], bounds[:, 1])
     last_row, last_column = grid.cell_of(bounds[:, 2], bounds[:, 3])
     wide = last_column - first_column + 1
@@ -213,7 +241,20 @@ def touched(grid: Grid, ice: Flags, bounds: Array) -> tuple[Index, Index]:
 
 
 def cell_boxes(grid: Grid, cells: Index) -> NDArray[np.object_]:
-    """Squares of mask cells given by flat index."""
+    """Squares of mask cells given by flat index.
+
+    Parameters
+    ----------
+    grid : Grid
+        Cells of the mask.
+    cells : Index
+        Flat index, (k,).
+
+    Returns
+    -------
+    ndarray
+        Shapely boxes, (k,).
+    """
     row, column = np.divmod(cells, grid.x.size)
     x, y = grid.x_edges, grid.y_edges
     return np.asarray(shapely.box(x[column], y[row], x[column + 1], y[row + 1]))

@@ -182,7 +182,22 @@ def field_frames(grid: xr.Dataset, name: str) -> Array | None:
 
 
 def encode_frames(values: Array, low: float, high: float) -> Bytes:
-    """Values as bytes: 0 where not finite, 1 at the low end, 255 at the high end and beyond."""
+    """Values as bytes: 0 where not finite, 1 at the low end, 255 at the high end and beyond.
+
+    Parameters
+    ----------
+    values : ndarray
+        In any unit and shape.
+    low : float
+        Ends of the scale, in the same unit.
+    high : float
+        Ends of the scale, in the same unit.
+
+    Returns
+    -------
+    Bytes
+        Of the shape of the values.
+    """
     share = np.clip((values - low) / (high - low), 0.0, 1.0)
     known = np.isfinite(values)
     return np.where(known, 1 + np.rint(np.where(known, share, 0.0) * (LEVELS - 1)), 0).astype(
@@ -214,7 +229,20 @@ def make_layers(grid: xr.Dataset) -> Iterator[Layer]:
 
 
 def scale_ends(quantity: Quantity, values: Array) -> tuple[float, float]:
-    """Ends of the colour scale of a field at all times, the high one a number that reads well."""
+    """Ends of the colour scale of a field at all times, the high one a number that reads well.
+
+    Parameters
+    ----------
+    quantity : Quantity
+        Whose scale may be fixed.
+    values : ndarray
+        At all times.
+
+    Returns
+    -------
+    tuple of float
+        In the unit of the values.
+    """
     low, high = common_limits(quantity, values)
     return low, round_up(high) if quantity.high is None else high
 
@@ -301,7 +329,20 @@ def chosen_frames(count: int) -> NDArray[np.int64]:
 
 
 def time_labels(start: datetime, seconds: Iterable[float]) -> list[str]:
-    """Times as a reader takes them: dates alone where all are midnights."""
+    """Times as a reader takes them: dates alone where all are midnights.
+
+    Parameters
+    ----------
+    start : datetime
+        Of the scene.
+    seconds : iterable of float
+        Since the start (s).
+
+    Returns
+    -------
+    list of str
+        Such as ``31 Dec 1981``.
+    """
     moments = [start + timedelta(seconds=float(each)) for each in seconds]
     whole = all((at.hour, at.minute, at.second) == (0, 0, 0) for at in moments)
     return [f"{at:%d %b %Y}" if whole else f"{at:%d %b %Y %H:%M}" for at in moments]

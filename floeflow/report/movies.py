@@ -17,7 +17,7 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 
-from floeflow.core.atomic_write import write_whole
+from floeflow.core.atomic_write import write_atomically
 from floeflow.core.errors import FloeError
 from floeflow.report.box_drift import box_drift
 from floeflow.report.figures.frame import Frame, prepare_axes
@@ -172,7 +172,7 @@ def encode(pictures: Iterable[np.ndarray], path: Path, rate: float) -> None:
     # The same pictures give the same bytes. The name of the unfinished file tells no format.
     options = ["-f", "mp4", "-crf", "20", "-threads", "1", "-fflags", "+bitexact"]
     options += ["-flags:v", "+bitexact", "-movflags", "+faststart"]
-    with write_whole(path) as unfinished:
+    with write_atomically(path) as unfinished:
         writer = None
         try:
             for picture in pictures:

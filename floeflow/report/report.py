@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The report: one self-contained HTML page that a colleague can be sent.
 
-Words come from ``summary`` and ``wording``, pictures from ``gallery``, the map with its slider from
-``map_player``, the page from ``templates/report.html.j2``, which escapes every text. The page needs
-no network; without JavaScript all but the slider is there.
+Words come from ``summary`` and ``report_text``, pictures from ``report_figures``, the map with its
+slider from ``map_player``, the page from ``templates/report.html.j2``, which escapes every text.
+The page needs no network; without JavaScript all but the slider is there.
 """
 
 import json
@@ -17,10 +17,8 @@ import xarray as xr
 from markupsafe import Markup
 
 from floeflow.core.errors import FloeError
-from floeflow.diagnostics import run_cost as expense
-from floeflow.report import report_figures as gallery
-from floeflow.report import report_text as wording
-from floeflow.report import summary
+from floeflow.diagnostics import run_cost
+from floeflow.report import report_figures, report_text, summary
 from floeflow.report.figures.frame import Frame
 from floeflow.report.map_player import make_player
 from floeflow.report.report_figures import Picture
@@ -119,7 +117,20 @@ CHAPTERS = (
 def make_chapters(
     pictures: Sequence[Picture], facts: Mapping[str, Sequence[summary.Fact]]
 ) -> tuple[list[Chapter], list[Picture]]:
-    """Deal pictures to chapters, in the order in which a page has them; and those left over."""
+    """Deal pictures to chapters, in the order in which a page has them; and those left over.
+
+    Parameters
+    ----------
+    pictures : sequence of Picture
+        In their order.
+    facts : mapping of sequence of summary.Fact
+        Numbers of each chapter.
+
+    Returns
+    -------
+    tuple of list of Chapter and list of Picture
+        Chapters with content; pictures of no chapter.
+    """
     left, found = list(pictures), []
     for name, title, text, begins in CHAPTERS:
         own = [picture for picture in left if picture.name.startswith(begins)]
@@ -148,19 +159,19 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
         HTML.
     """
     figures.mkdir(parents=True, exist_ok=True)
-    easel = gallery.Easel(figures, scene.report.dpi)
+    easel = report_figures.Easel(figures, scene.report.dpi)
     frame = Frame(scene.domain, material.mask["land"])
     headline, budgets = material.numbers["headline"], material.numbers["budgets"]
-    cost = expense.stages(material.benchmarks, material.numbers)
-    total = expense.total_seconds(cost)
-    there, absent = wording.effect_lists(scene)
+    cost = run_cost.stages(material.benchmarks, material.numbers)
+    total = run_cost.total_seconds(cost)
+    there, absent = report_text.effect_lists(scene)
     first, last = material.first_state, material.last_state
-    keys = wording.scene_keys(scene)
+    keys = report_text.scene_keys(scene)
     pictures = [
-        *gallery.element_pictures(easel, scene, frame, first, last, material.packing),
-        *gallery.series_pictures(easel, scene, material.diagnostics),
-        *gallery.analysis_pictures(easel, scene, material.analyses),
-        *gallery.budget_pictures(easel, budgets),
+        *report_figures.element_pictures(easel, scene, frame, first, last, material.packing),
+        *report_figures.series_pictures(easel, scene, material.diagnostics),
+        *report_figures.analysis_pictures(easel, scene, material.analyses),
+        *report_figures.budget_pictures(easel, budgets),
     ]
     facts = summary.facts(headline, scene)
     facts["motion"] += summary.motion_facts(material.analyses)
@@ -182,7 +193,7 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
             "cards": summary.cards(headline, budgets, total),
             "changed": [key for key in keys if key.differs],
             "keys": keys,
-            "packing": wording.packing_figures(material.packing),
+            "packing": report_text.packing_figures(material.packing),
             "effects": there,
             "absent": absent,
             "inputs": material.inputs,
@@ -191,8 +202,8 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
             "budget_bars": bars,
             "stages": cost,
             "total": total,
-            "cost_bars": list(gallery.cost_pictures(easel, cost)),
-            "provenance": wording.provenance(scene, last.attrs, headline),
+            "cost_bars": list(report_figures.cost_pictures(easel, cost)),
+            "provenance": report_text.provenance(scene, last.attrs, headline),
             "states": material.numbers["states"],
             "studies": material.studies,
         }
@@ -233,8 +244,8 @@ def render(context: Mapping[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["number"] = wording.number
-    environment.filters["unit"] = wording.pretty_unit
+    environment.filters["number"] = report_text.number
+    environment.filters["unit"] = report_text.pretty_unit
     return environment.from_string(read_template("report.html.j2")).render(context)
 
 

@@ -81,12 +81,44 @@ class Easel:
     dpi: int
 
     def picture(self, name: str, caption: str, figure: Figure, wide: bool = False) -> Picture:
-        """A map: PNG in the folder and in the page."""
+        """A map: PNG in the folder and in the page.
+
+        Parameters
+        ----------
+        name : str
+            Of the file, without ending.
+        caption : str
+            One sentence, with units.
+        figure : Figure
+            That is drawn.
+        wide : bool, optional
+            Over the whole width of the page.
+
+        Returns
+        -------
+        Picture
+            For the page.
+        """
         data = write_png(figure, self.folder / f"{name}.png", self.dpi)
         return Picture(name, caption, _uri("image/png", data), wide)
 
     def chart(self, name: str, caption: str, figure: Figure) -> Picture:
-        """A chart: SVG in the folder and in the page."""
+        """A chart: SVG in the folder and in the page.
+
+        Parameters
+        ----------
+        name : str
+            Of the file, without ending.
+        caption : str
+            One sentence, with units.
+        figure : Figure
+            That is drawn.
+
+        Returns
+        -------
+        Picture
+            For the page.
+        """
         data = as_svg(figure)
         (self.folder / f"{name}.svg").write_bytes(data)
         return Picture(name, caption, _uri("image/svg+xml", data))
@@ -97,7 +129,22 @@ def _uri(kind: str, data: bytes) -> str:
 
 
 def moments(scene: Scene, first: xr.Dataset, last: xr.Dataset) -> dict[str, str]:
-    """Start and end of the run as text, by 'start' and 'end'."""
+    """Start and end of the run as text, by 'start' and 'end'.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its start.
+    first : xarray.Dataset
+        States at the start and at the end.
+    last : xarray.Dataset
+        States at the start and at the end.
+
+    Returns
+    -------
+    dict of str
+        UTC.
+    """
     texts = {}
     for name, state in (("start", first), ("end", last)):
         at = scene.time.start + timedelta(seconds=float(state.attrs["time"]))
@@ -114,7 +161,28 @@ def speed_scale(scene: Scene) -> Quantity:
 def element_pictures(
     easel: Easel, scene: Scene, frame: Frame, first: xr.Dataset, last: xr.Dataset, cells: xr.Dataset
 ) -> Iterator[Picture]:
-    """Maps of the elements at start and end, their displacement, and their bonds."""
+    """Maps of the elements at start and end, their displacement, and their bonds.
+
+    Parameters
+    ----------
+    easel : Easel
+        Where figures are written.
+    scene : Scene
+        Its effects and title.
+    frame : Frame
+        Extent and projection of the maps.
+    first : xarray.Dataset
+        States at the start and at the end.
+    last : xarray.Dataset
+        States at the start and at the end.
+    cells : xarray.Dataset
+        Polygons of the elements.
+
+    Returns
+    -------
+    iterator of Picture
+        One after the other.
+    """
     when = moments(scene, first, last)
     states = {"start": first, "end": last}
     shapes = {name: element_shapes(state, cells) for name, state in states.items()}
@@ -177,7 +245,22 @@ def charts(function: Charts) -> Charts:
 
 
 def series_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Picture]:
-    """Time series that the scene's effects bring, and those of extensions."""
+    """Time series that the scene's effects bring, and those of extensions.
+
+    Parameters
+    ----------
+    easel : Easel
+        Where figures are written.
+    scene : Scene
+        Its effects and start.
+    data : xarray.Dataset
+        Of ``diagnostics.nc``.
+
+    Returns
+    -------
+    iterator of Picture
+        One after the other.
+    """
     load_extensions()
     start = f"{scene.time.start:%Y-%m-%d %H:%M}"
     drawn = [series_figures(data, start, scene.effects), *(each(scene, data) for each in ADDED)]
@@ -186,13 +269,41 @@ def series_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Pi
 
 
 def analysis_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Picture]:
-    """Analyses of ice and motion, as far as the run supports them."""
+    """Analyses of ice and motion, as far as the run supports them.
+
+    Parameters
+    ----------
+    easel : Easel
+        Where figures are written.
+    scene : Scene
+        Its start.
+    data : xarray.Dataset
+        Of ``analyses.nc``.
+
+    Returns
+    -------
+    iterator of Picture
+        One after the other.
+    """
     for name, caption, figure in analysis_figures(data, scene.time.start):
         yield easel.chart(name, caption, figure)
 
 
 def budget_pictures(easel: Easel, budgets: Sequence[Mapping[str, Any]]) -> Iterator[Picture]:
-    """Budgets as bars; those with nothing but a residual stand in the table only."""
+    """Budgets as bars; those with nothing but a residual stand in the table only.
+
+    Parameters
+    ----------
+    easel : Easel
+        Where figures are written.
+    budgets : sequence of mapping of object
+        Of ``diagnostics.json``.
+
+    Returns
+    -------
+    iterator of Picture
+        One after the other.
+    """
     for budget in budgets:
         if len(budget["terms"]) > 1:
             caption = f"{budget['label']}: what changed it over all windows."
@@ -200,7 +311,20 @@ def budget_pictures(easel: Easel, budgets: Sequence[Mapping[str, Any]]) -> Itera
 
 
 def cost_pictures(easel: Easel, stages: Sequence[Stage]) -> Iterator[Picture]:
-    """Cost of the stages as bars."""
+    """Cost of the stages as bars.
+
+    Parameters
+    ----------
+    easel : Easel
+        Where figures are written.
+    stages : sequence of Stage
+        With wall time (s).
+
+    Returns
+    -------
+    iterator of Picture
+        One.
+    """
     rows = [(f"  {s.name}" if s.inner else s.name, s.seconds, s.inner) for s in stages]
     caption = "Wall time by stage; hatched: parts of the windows."
     yield easel.chart("cost_stages", caption, cost_figure(rows))

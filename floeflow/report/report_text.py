@@ -44,7 +44,20 @@ class Key:
 
 
 def number(value: Any, digits: int = 4) -> str:
-    """A number with thousands separated; a dash for what is missing or not finite."""
+    """A number with thousands separated; a dash for what is missing or not finite.
+
+    Parameters
+    ----------
+    value : object
+        None for what is missing.
+    digits : int, optional
+        Significant digits.
+
+    Returns
+    -------
+    str
+        Such as ``12,345`` or ``1.2 × 10⁹``.
+    """
     if value is None or not math.isfinite(value):
         return DASH
     if isinstance(value, int):
@@ -60,7 +73,20 @@ def number(value: Any, digits: int = 4) -> str:
 
 
 def with_unit(value: float | None, units: Sequence[tuple[float, str]]) -> str:
-    """A number in the largest unit of which it holds one."""
+    """A number in the largest unit of which it holds one.
+
+    Parameters
+    ----------
+    value : float or None
+        In the base unit; None for what is missing.
+    units : sequence of tuple of float and str
+        Size in the base unit, and name, largest first.
+
+    Returns
+    -------
+    str
+        Number and unit.
+    """
     if value is None or not math.isfinite(value):
         return DASH
     scale, unit = next((u for u in units if abs(value) >= u[0]), units[-1])
@@ -139,7 +165,22 @@ def effect_lists(scene: Scene) -> tuple[list[Effect], list[Effect]]:
 def provenance(
     scene: Scene, attrs: Mapping[str, Any], numbers: Mapping[str, Any]
 ) -> list[tuple[str, str]]:
-    """What made the run: versions, machine, ranks, seed, time step."""
+    """What made the run: versions, machine, ranks, seed, time step.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its seed and keys.
+    attrs : mapping of object
+        Attributes of the last state.
+    numbers : mapping of object
+        Of ``diagnostics.json``.
+
+    Returns
+    -------
+    list of tuple of str
+        Name and text.
+    """
     rows = [("FloeFlow", __version__)]
     rows += _flat(str(attrs.get("provenance", "")))
     rows += [

@@ -62,11 +62,39 @@ class SoFar:
         return (*self.chunks, *self.windows)[-1]
 
     def path(self, kind: str, name: str, suffix: str = ".nc") -> Path:
-        """A file of a chunk."""
+        """A file of a chunk.
+
+        Parameters
+        ----------
+        kind : str
+            Folder in the results.
+        name : str
+            Of the chunk.
+        suffix : str, optional
+            Ending of the file's name.
+
+        Returns
+        -------
+        Path
+            It may not exist yet.
+        """
         return self.folder / kind / f"{name}{suffix}"
 
     def work(self, window: str, part: str) -> Path:
-        """A file of a window that is not published yet."""
+        """A file of a window that is not published yet.
+
+        Parameters
+        ----------
+        window : str
+            Name of the window.
+        part : str
+            Name of the file.
+
+        Returns
+        -------
+        Path
+            It may not exist yet.
+        """
         return resume.work_folder(self.folder, window) / part
 
 

@@ -42,7 +42,24 @@ class Drawing:
 
 
 def draw(folder: Path, name: str, caption: str, figure: Figure) -> Drawing:
-    """Write a figure as PNG into a folder, and return it as SVG for the page."""
+    """Write a figure as PNG into a folder, and return it as SVG for the page.
+
+    Parameters
+    ----------
+    folder : Path
+        Made where it is missing.
+    name : str
+        Of the file, without ending.
+    caption : str
+        One sentence.
+    figure : Figure
+        That is drawn.
+
+    Returns
+    -------
+    Drawing
+        For the page.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     write_png(figure, folder / f"{name}.png", DPI)
     text = base64.b64encode(as_svg(figure)).decode()
@@ -85,7 +102,19 @@ def render_study(study: Study) -> str:
 
 
 def write_study(study: Study, page: Path, digest: Path, keys: str) -> None:
-    """Write the page, and the digest with the hash of the scene keys that it holds for."""
+    """Write the page, and the digest with the hash of the scene keys that it holds for.
+
+    Parameters
+    ----------
+    study : Study
+        Sentences, figures and tables.
+    page : Path
+        HTML file.
+    digest : Path
+        JSON file.
+    keys : str
+        Hash of the scene's keys.
+    """
     write_text(render_study(study), page)
     tables = [
         asdict(replace(table, rows=[[cell(value) for value in row] for row in table.rows]))

@@ -44,7 +44,20 @@ class Fact:
 
 
 def sentence(scene: Scene, numbers: Mapping[str, Any]) -> str:
-    """What was simulated, in one sentence."""
+    """What was simulated, in one sentence.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its effects, start and forcing.
+    numbers : mapping of object
+        Of ``diagnostics.json``.
+
+    Returns
+    -------
+    str
+        With units.
+    """
     count = int(numbers["elements"])
     size = math.sqrt(numbers["ice_area_end"] / count) / 1e3 if count else 0.0
     across = f" of about {number(size, 2)} km" if size else ""
@@ -82,7 +95,22 @@ def _driven(scene: Scene) -> str:
 def cards(
     numbers: Mapping[str, Any], budgets: Sequence[Mapping[str, Any]], wall_seconds: float
 ) -> list[Card]:
-    """The five numbers that matter; those of effects that are absent give way."""
+    """The five numbers that matter; those of effects that are absent give way.
+
+    Parameters
+    ----------
+    numbers : mapping of object
+        Of ``diagnostics.json``.
+    budgets : sequence of mapping of object
+        Of ``diagnostics.json``.
+    wall_seconds : float
+        Wall time of the run (s).
+
+    Returns
+    -------
+    list of Card
+        Five.
+    """
     found = [
         _stock("Ice area inside the scene", "ice_area", AREA_UNITS, numbers),
         _stock("Ice volume inside the scene", "ice_volume", VOLUME_UNITS, numbers),
@@ -118,7 +146,20 @@ def _stock(
 
 
 def through_sides(numbers: Mapping[str, Any], name: str) -> dict[str, float]:
-    """What came in (above 0) or left through each side that anything passed."""
+    """What came in (above 0) or left through each side that anything passed.
+
+    Parameters
+    ----------
+    numbers : mapping of object
+        Of ``diagnostics.json``.
+    name : str
+        ``ice_area``, ``ice_volume`` or ``snow_volume``.
+
+    Returns
+    -------
+    dict of float
+        m2 or m3, by side.
+    """
     keys = {side: f"{name}_through_{side}_side" for side in SIDES}
     return {side: float(numbers[key]) for side, key in keys.items() if key in numbers}
 
@@ -218,7 +259,20 @@ def warnings(
 
 
 def facts(numbers: Mapping[str, Any], scene: Scene) -> dict[str, list[Fact]]:
-    """Numbers of the chapters ice, motion and bonds, each with its source."""
+    """Numbers of the chapters ice, motion and bonds, each with its source.
+
+    Parameters
+    ----------
+    numbers : mapping of object
+        Of ``diagnostics.json``.
+    scene : Scene
+        Its effects.
+
+    Returns
+    -------
+    dict of list of Fact
+        By chapter.
+    """
     made: dict[str, list[Fact]] = {"ice": [], "motion": [], "bonds": []}
     stocks = (("ice_area", "Ice area", "10³ km2", 1e9), ("ice_volume", "Ice volume", "km3", 1e9))
     for name, label, unit, size in (*stocks, ("snow_volume", "Snow volume", "km3", 1e9)):

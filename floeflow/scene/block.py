@@ -15,6 +15,24 @@ def key(default: Any, text: str, unit: str = "", derived: bool = False, **bounds
     """Declare a key: its default, one line of help, its unit, its bounds.
 
     A derived one follows from other keys where it is not named.
+
+    Parameters
+    ----------
+    default : object
+        Value where the scene does not name it.
+    text : str
+        Line of help.
+    unit : str, optional
+        SI unit; empty for none.
+    derived : bool, optional
+        Whether it follows from other keys where it is not named.
+    bounds : object
+        Of pydantic's ``Field``, such as ``gt`` and ``le``.
+
+    Returns
+    -------
+    object
+        Field for a pydantic model.
     """
     extra: dict[str, Any] = {"unit": unit} if unit else {}
     extra |= {"derived": True} if derived else {}

@@ -109,7 +109,7 @@ class Mask(Block):
     thickness_is: Literal["", "in_ice", "cell_mean"] = key(
         "",
         "What that thickness is: of the ice where there is any, or ice volume over the cell's "
-        "area; empty: as its cell_methods, names and long_name tell.",
+        "area; empty: as its cell_methods, names and long_name say.",
     )
     water: str = key(
         "",

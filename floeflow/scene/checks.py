@@ -31,8 +31,8 @@ def check_combinations(scene: Scene) -> None:
     """
     if "+" in scene.name:
         raise FloeError(
-            f"name: {scene.name!r} is no plain name (lower-case letters, digits, '_' and '-', at "
-            "most 64, no path)"
+            f"name: {scene.name!r} is not a plain name (lower-case letters, digits, '_' and '-', "
+            "at most 64, no path)"
         )
     _check_domain(scene)
     _check_times(scene)
@@ -63,8 +63,8 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("effect 'ponds' needs column.scheme 'bl99' or 'mushy'")
     if scene.column.scheme == "mushy" and scene.column.ocean_salinity < LEAST_SALINITY:
         raise FloeError(
-            f"column.ocean_salinity must be {LEAST_SALINITY:g} or more with column.scheme 'mushy': "
-            "fresh water makes no mush"
+            f"column.ocean_salinity must be {LEAST_SALINITY:g} (1e-3) or more with column.scheme "
+            "'mushy': fresh water makes no mush"
         )
     ponds, light = "ponds" in scene.effects, scene.column.light
     for name in unread_keys(scene.physics, scene.column.scheme, light, ponds):
@@ -154,7 +154,7 @@ def _check_domain(scene: Scene) -> None:
     for axis in ("x", "y"):
         low, high = getattr(domain, f"{axis}_min"), getattr(domain, f"{axis}_max")
         if low >= high:
-            raise FloeError(f"domain.{axis}_min ({low:g}) must lie below {axis}_max ({high:g})")
+            raise FloeError(f"domain.{axis}_min ({low:g} m) must lie below {axis}_max ({high:g} m)")
         cells = (high - low) / domain.spacing
         if abs(cells - round(cells)) > 1e-9 * cells or round(cells) < 2:
             raise FloeError(

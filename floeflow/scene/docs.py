@@ -58,7 +58,20 @@ class Key:
 
 
 def keys(model: type[BaseModel] = Scene, prefix: str = "") -> Iterator[Key]:
-    """Yield every key of the models, block by block."""
+    """Yield every key of the models, block by block.
+
+    Parameters
+    ----------
+    model : type of BaseModel, optional
+        Block from which to start.
+    prefix : str, optional
+        Path of the block, with its dot.
+
+    Returns
+    -------
+    iterator of Key
+        In the order of their declaration.
+    """
     for name, info in model.model_fields.items():
         inner = info.annotation
         if isinstance(inner, type) and issubclass(inner, BaseModel):

@@ -405,7 +405,20 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def compatible(names: Iterable[str], first: str = "") -> tuple[str, ...]:
-    """Those effects, in the registry's order, that none before them excludes; ``first`` stays."""
+    """Those effects, in the registry's order, that none before them excludes; ``first`` stays.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Effects.
+    first : str, optional
+        Effect that is kept whatever it excludes.
+
+    Returns
+    -------
+    tuple of str
+        Without those that are excluded.
+    """
     names, kept = set(names), [first] if first else list[str]()
     for name in EFFECTS:
         clash = (other for other in kept if name in EFFECTS[other].excludes)
@@ -439,7 +452,20 @@ def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def state_variables(names: Iterable[str], scheme: str = "zero_layer") -> tuple[str, ...]:
-    """Variables that these effects add to the state under a column scheme."""
+    """Variables that these effects add to the state under a column scheme.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Effects.
+    scheme : str, optional
+        Of the column.
+
+    Returns
+    -------
+    tuple of str
+        Without what all states have.
+    """
     names = tuple(names)
     both = (
         variable
@@ -474,7 +500,20 @@ def column_processes(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def column_variables(names: Iterable[str], scheme: str) -> tuple[str, ...]:
-    """Variables that a column reads and writes under these effects; see `SEA_VARIABLES`."""
+    """Variables that a column reads and writes under these effects; see `SEA_VARIABLES`.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Effects.
+    scheme : str
+        Of the column.
+
+    Returns
+    -------
+    tuple of str
+        Names of the state's schema.
+    """
     grid = EFFECTS["mixed_layer"].state
     found = _COLUMN_STATE + state_variables(_column_effects(names), scheme)
     return tuple(name for name in found if name not in grid or name in SEA_VARIABLES)

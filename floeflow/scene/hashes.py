@@ -53,7 +53,7 @@ STAGE_KEYS: dict[str, tuple[str, ...]] = {
         "exchange",
     ),
     "cells": ("seed",),
-    "cure": ("remap", "merge", "packing.bond_gap"),
+    "remesh": ("remap", "merge", "packing.bond_gap"),
     # What is kept changes no result, so it is in no window's own hash.
     "keep": ("state.keep",),
     "column": (
@@ -85,7 +85,20 @@ BEFORE: dict[str, tuple[str, ...]] = {
 
 
 def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
-    """Values of the keys that a stage reads, by path, in plain JSON types."""
+    """Values of the keys that a stage reads, by path, in plain JSON types.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose keys are read.
+    stage : str
+        Of the workflow, a key of ``STAGE_KEYS``.
+
+    Returns
+    -------
+    dict of object
+        JSON values by path.
+    """
     data = scene.model_dump(mode="json")
     if "thermodynamics" not in scene.effects:
         data.pop("column")
@@ -111,7 +124,20 @@ def stage_values(scene: Scene, stage: str) -> dict[str, Any]:
 
 
 def stage_hash(scene: Scene, stage: str) -> str:
-    """Hash (16 hexadecimal digits) of the keys that a stage reads."""
+    """Hash (16 hexadecimal digits) of the keys that a stage reads.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose keys are read.
+    stage : str
+        Of the workflow.
+
+    Returns
+    -------
+    str
+        Lower-case digits.
+    """
     text = json.dumps(stage_values(scene, stage), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -120,6 +146,18 @@ def chain_hash(scene: Scene, stage: str) -> str:
     """Hash of the keys of a stage of preprocessing and of all stages before it.
 
     Two scenes with the same hash have the same file of that stage.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose keys are read.
+    stage : str
+        Of preprocessing.
+
+    Returns
+    -------
+    str
+        16 lower-case digits.
     """
     parts = [stage_hash(scene, stage), *(chain_hash(scene, each) for each in BEFORE[stage])]
     return hashlib.sha256(" ".join(parts).encode()).hexdigest()[:16]

@@ -20,6 +20,8 @@ from floeflow.scene.effects import check_effects
 MAX_BYTES = 1_000_000
 # Longer whole numbers are no setting, and Python may refuse to print them.
 MAX_BITS = 64
+# Faults of a number out of its range, which is told with the key's unit.
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
 KINDS = {"int": "whole number", "float": "number", "bool": "truth value", "timestamp": "date"}
 
 # Picks the effects of a scene with ``effects: auto``: `floeflow.analysis.resolve` has one.
@@ -53,7 +55,7 @@ class _SceneLoader(yaml.SafeLoader):
         except (ValueError, KeyError, AttributeError, TypeError, ArithmeticError) as error:
             kind = KINDS.get(node.tag.rpartition(":")[2], "value")
             why = f": {error}" if kind == "date" and "must be in" in str(error) else ""
-            raise FloeError(_at(node, f"is no {kind}{why}")) from None
+            raise FloeError(_at(node, f"is not a {kind}{why}")) from None
         if isinstance(value, int) and value.bit_length() > MAX_BITS:
             raise FloeError(_at(node, "is a number of too many digits"))
         if isinstance(value, str):
@@ -143,7 +145,27 @@ def read_keys(path: str | Path) -> dict[str, Any]:
 
 
 def parse_scene(raw: bytes, default_name: str, choose: Chooser | None = None) -> Scene:
-    """Validate the bytes of a scene file; see `load_scene`."""
+    """Validate the bytes of a scene file; see `load_scene`.
+
+    Parameters
+    ----------
+    raw : bytes
+        UTF-8 YAML.
+    default_name : str
+        Name of a scene that gives none.
+    choose : Chooser, optional
+        What ``effects: auto`` stands for.
+
+    Returns
+    -------
+    Scene
+        Validated.
+
+    Raises
+    ------
+    FloeError
+        For a key that is misspelt, given twice or out of range.
+    """
     data = _keys_of(raw)
     data.setdefault("name", default_name)
     return build_scene(data, choose)
@@ -170,6 +192,13 @@ def _keys_of(raw: bytes) -> dict[str, Any]:
 
 def build_scene(keys: Mapping[str, Any], choose: Chooser | None = None) -> Scene:
     """Validate keys that were read from a scene file or derived from one.
+
+    Parameters
+    ----------
+    keys : mapping of object
+        By block.
+    choose : Chooser, optional
+        What ``effects: auto`` stands for.
 
     Raises
     ------
@@ -223,13 +252,28 @@ def _fault_sentence(fault: ErrorDetails) -> str:
         return f"unknown key '{place}'; {hint}"
     if fault["loc"] == ("name",):
         return (
-            f"name: {fault['input']!r} is no plain name (lower-case letters, digits, '_' and '-', "
-            "at most 64, no path)"
+            f"name: {fault['input']!r} is not a plain name (lower-case letters, digits, '_' and "
+            "'-', at most 64, no path)"
         )
     message = fault["msg"][0].lower() + fault["msg"][1:]
     value = fault["input"]
     got = "" if isinstance(value, dict | list) else f" (got {value!r:.60})"
-    return f"{place}: {message}{got}"
+    unit = _unit(location) if fault["type"] in _BOUNDS else ""
+    return f"{place}: {message}{unit}{got}"
+
+
+def _unit(location: list[str]) -> str:
+    """Unit of a key as it stands behind a number; empty where it has none."""
+    model: type[BaseModel] = Scene
+    for part in location[:-1]:
+        annotation = model.model_fields[part].annotation if part in model.model_fields else None
+        if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
+            return ""
+        model = annotation
+    info = model.model_fields.get(location[-1])
+    extra = info.json_schema_extra if info else None
+    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+    return f" {unit}" if unit not in ("", "1") else ""
 
 
 def _known_keys(location: list[str]) -> list[str]:

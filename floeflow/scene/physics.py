@@ -28,7 +28,11 @@ class ColumnPhysics(Block):
         le=2,
     )
     emissivity: float = key(
-        0.985, "Long-wave emissivity of ice, snow and open water.", "1", gt=0, le=1
+        0.985,
+        "Long-wave emissivity of ice and snow, and of open water beside zero-layer ice.",
+        "1",
+        gt=0,
+        le=1,
     )
     snow_conductivity: float = key(0.3, "Heat conductivity of snow.", "W/m/K", ge=0.03, le=2)
     ice_conductivity: float = key(
@@ -129,7 +133,24 @@ _SCATTERED = {"snow_grain_tuning", "ice_scatter_tuning", "pond_scatter_tuning"}
 
 
 def unread_keys(physics: ColumnPhysics, scheme: str, light: str, ponds: bool) -> list[str]:
-    """Keys that differ from their defaults and that a scheme, kind of light and ponds leave out."""
+    """Keys that differ from their defaults and that a scheme, kind of light and ponds leave out.
+
+    Parameters
+    ----------
+    physics : ColumnPhysics
+        Block ``physics`` of a scene.
+    scheme : str
+        Of the column.
+    light : str
+        ``ccsm3`` or ``delta_eddington``.
+    ponds : bool
+        Whether ponds are simulated.
+
+    Returns
+    -------
+    list of str
+        Names of keys.
+    """
     layered = scheme != "zero_layer"
     scattered = layered and light == "delta_eddington"
     unread = set(_BROADBAND if scattered else _SCATTERED)

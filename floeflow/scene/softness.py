@@ -50,7 +50,22 @@ def moduli(strength: float) -> tuple[float, float]:
 
 
 def sentence(young: float, contact: float, strength: float) -> str:
-    """What was chosen and why, for a log or a report."""
+    """What was chosen and why, for a log or a report.
+
+    Parameters
+    ----------
+    young : float
+        Young's modulus, contact modulus and compressive strength (Pa).
+    contact : float
+        Young's modulus, contact modulus and compressive strength (Pa).
+    strength : float
+        Young's modulus, contact modulus and compressive strength (Pa).
+
+    Returns
+    -------
+    str
+        One sentence, with Pa and percentages.
+    """
     return (
         f"bonds of {young:.3g} Pa break at a compression of {100 * strength / young:.2g} % of the "
         f"span (sea ice: {YOUNG:.3g} Pa), contacts of {contact:.3g} Pa close elastically by "

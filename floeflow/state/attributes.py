@@ -49,18 +49,20 @@ def check_attributes(attrs: Mapping[Hashable, object]) -> tuple[tuple[str, ...],
     effects = tuple(str(attrs["effects"]).split())
     for name in effects:
         if name not in EFFECTS:
-            raise FloeError(f"attribute 'effects' names {name!r}, which is no effect")
+            raise FloeError(f"attribute 'effects' names {name!r}, which is not an effect")
     scheme = attrs.get(SCHEME_ATTRIBUTE, DEFAULT_SCHEME)
     if not (isinstance(scheme, str) and scheme in _SCHEMES):
-        raise FloeError(f"attribute '{SCHEME_ATTRIBUTE}' is {scheme!r}, which is no column scheme")
+        raise FloeError(
+            f"attribute '{SCHEME_ATTRIBUTE}' is {scheme!r}, which is not a column scheme"
+        )
     try:
         datetime.fromisoformat(str(attrs["start"]))
     except ValueError:
-        raise FloeError(f"attribute 'start' is {attrs['start']!r}, which is no time") from None
+        raise FloeError(f"attribute 'start' is {attrs['start']!r}, which is not a time") from None
     if "periodic" in effects and not _are_bounds(attrs.get(PERIOD)):
         raise FloeError(f"attribute '{PERIOD}' is missing or holds no bounds of a rectangle")
     if not _is_json_object(str(attrs["provenance"])):
-        raise FloeError("attribute 'provenance' is no JSON object")
+        raise FloeError("attribute 'provenance' is not a JSON object")
     return effects, scheme
 
 

@@ -105,7 +105,25 @@ def new_bonds(
 
 
 def element_rows(ids: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Rows of the `wanted` ids in the ascending `ids`; raises FloeError for an unknown id."""
+    """Rows of the `wanted` ids in the ascending `ids`; raises FloeError for an unknown id.
+
+    Parameters
+    ----------
+    ids : ndarray
+        Ascending, (n,).
+    wanted : ndarray
+        Ids, (k,).
+
+    Returns
+    -------
+    ndarray
+        (k,).
+
+    Raises
+    ------
+    FloeError
+        For an id that does not exist.
+    """
     rows = np.minimum(np.searchsorted(ids, wanted), len(ids) - 1)
     unknown = ids[rows] != wanted
     if unknown.any():
@@ -131,7 +149,20 @@ def empty_pairs(columns: tuple[str, ...]) -> Arrays:
 
 
 def without(table: Arrays, ids: np.ndarray) -> Arrays:
-    """Rows of a table of elements, pairs or wall contacts that name none of these elements."""
+    """Rows of a table of elements, pairs or wall contacts that name none of these elements.
+
+    Parameters
+    ----------
+    table : Arrays
+        Columns by name.
+    ids : ndarray
+        Ids of the elements, (k,).
+
+    Returns
+    -------
+    Arrays
+        A new table.
+    """
     names = [name for name in ("id", "id_lo", "id_hi") if name in table]
     kept = ~np.any([np.isin(table[name], ids) for name in names], axis=0)
     return {name: values[kept] for name, values in table.items()}

@@ -81,7 +81,20 @@ def read_cells(data: xr.Dataset) -> Cells:
 
 
 def polygons_of(start: Index, ring: Array) -> NDArray[np.object_]:
-    """Anticlockwise polygons from open rings: starts (n + 1,), three corners or more (c, 2)."""
+    """Anticlockwise polygons from open rings: starts (n + 1,), three corners or more (c, 2).
+
+    Parameters
+    ----------
+    start : Index
+        First corner of each ring, (n + 1,).
+    ring : ndarray
+        Corners (m), (c, 2).
+
+    Returns
+    -------
+    ndarray
+        (n,).
+    """
     of = np.repeat(np.arange(len(start) - 1), np.diff(start))
     if not len(of):
         return np.empty(0, dtype=object)

@@ -83,7 +83,20 @@ def joint_thickness(state: xr.Dataset) -> np.ndarray:
 
 
 def pair_arrays(state: xr.Dataset, kind: str) -> Arrays:
-    """Table of a state (bond, contact, wall_face, wall_contact), names without that prefix."""
+    """Table of a state (bond, contact, wall_face, wall_contact), names without that prefix.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With that table.
+    kind : str
+        bond, contact, wall_face or wall_contact.
+
+    Returns
+    -------
+    Arrays
+        Copies.
+    """
     names = [name for name in VARIABLES if name.startswith(f"{kind}_") and name in state]
     return {name.removeprefix(f"{kind}_"): state[name].values.copy() for name in names}
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The seal of a file: the SHA-256 of its bytes, as a line behind them.
+"""Checksum of a file: the SHA-256 of its bytes, as a line behind them.
 
 HDF5 trusts what it opens: about one in a hundred flipped bits in a state's first 8 kB makes it loop
 for ever. So a file's bytes are verified before HDF5 sees them. HDF5 itself ignores what stands
-behind its own end of the file: other readers open a sealed file as any NetCDF-4 file.
+behind its own end of the file: other readers open such a file as any NetCDF-4 file.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _CHUNK = 1 << 20
 
 
 def _line(path: Path, size: int) -> bytes:
-    """Seal of the first bytes of a file."""
+    """Line with the checksum of the first bytes of a file."""
     digest = hashlib.sha256()
     with path.open("rb") as file:
         while size > 0 and (chunk := file.read(min(size, _CHUNK))):
@@ -28,8 +28,8 @@ def _line(path: Path, size: int) -> bytes:
     return _HEAD + digest.hexdigest().encode() + b"\n"
 
 
-def seal(path: Path) -> None:
-    """Put the seal behind the bytes of a file that has none.
+def append_file_checksum(path: Path) -> None:
+    """Put the checksum behind the bytes of a file that has none.
 
     Raises
     ------
@@ -41,13 +41,13 @@ def seal(path: Path) -> None:
         file.write(line)
 
 
-def check_seal(path: Path) -> None:
-    """Verify that a file's bytes are those that were sealed.
+def check_file_checksum(path: Path) -> None:
+    """Verify that a file's bytes are those of its checksum.
 
     Raises
     ------
     FloeError
-        Where the file has no seal at its end, or its bytes have changed.
+        Where the file has no checksum at its end, or its bytes have changed.
     OSError
         Where it cannot be read.
     """

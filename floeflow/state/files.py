@@ -2,7 +2,7 @@
 """Checksummed NetCDF-4 files, written whole or not at all.
 
 A file is written under a unique temporary name beside its place, synced and renamed, so that a
-reader sees the old file or the new one, never a half. It ends with the seal of its bytes
+reader sees the old file or the new one, never a half. It ends with the checksum of its bytes
 (`floeflow.state.file_checksum`), which the reader verifies first. The attribute `checksum` names
 the content, whatever library wrote it: it covers names, types, shapes, bytes and attributes.
 """
@@ -18,9 +18,9 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from floeflow.core.atomic_write import write_whole
+from floeflow.core.atomic_write import write_atomically
 from floeflow.core.errors import FloeError
-from floeflow.state.file_checksum import check_seal, seal
+from floeflow.state.file_checksum import append_file_checksum, check_file_checksum
 from floeflow.state.migrations import migrate
 from floeflow.state.schema import ROUNDED, VARIABLES, check_state
 
@@ -49,7 +49,7 @@ def _plain(value: object) -> object:
 
 
 def write_dataset(data: xr.Dataset, path: str | Path) -> str:
-    """Write a dataset atomically, sealed, and return its checksum.
+    """Write a dataset atomically, with its checksum, and return its checksum.
 
     Parameters
     ----------
@@ -66,17 +66,17 @@ def write_dataset(data: xr.Dataset, path: str | Path) -> str:
     path = Path(path)
     data = data.copy()
     data.attrs[CHECKSUM] = checksum(data)
-    with write_whole(path) as temporary:
+    with write_atomically(path) as temporary:
         encoding = {str(name): {"_FillValue": None} for name in data.variables}
         data.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
-        seal(temporary)
+        append_file_checksum(temporary)
         with open(temporary, "rb+") as file:
             os.fsync(file.fileno())
     return str(data.attrs[CHECKSUM])
 
 
 def read_dataset(path: str | Path) -> xr.Dataset:
-    """Verify the seal of a file of `write_dataset` and read it into memory.
+    """Verify the checksum of a file of `write_dataset` and read it into memory.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise FloeError(f"{path}: there is no such file")
     try:
-        check_seal(path)
+        check_file_checksum(path)
         with xr.open_dataset(
             path, engine="netcdf4", decode_cf=False, mask_and_scale=False
         ) as opened:
@@ -134,7 +134,7 @@ def write_state(
 
 
 def read_state(path: str | Path) -> xr.Dataset:
-    """Read a state, verify its seal and schema; all floating variables in double precision.
+    """Read a state, verify its checksum and schema; all floating variables in double precision.
 
     A state of an older schema version is brought to the present one (`floeflow.state.migrations`).
 

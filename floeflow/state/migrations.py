@@ -53,7 +53,7 @@ def migrate(state: xr.Dataset) -> xr.Dataset:
     """
     version = state.attrs.get("schema_version")
     if version is None:
-        raise FloeError("this is no FloeFlow state: it has no schema_version")
+        raise FloeError("this is not a FloeFlow state: it has no schema_version")
     if version == SCHEMA_VERSION:
         return state
     if not isinstance(version, int) or version not in MIGRATIONS:

@@ -236,7 +236,20 @@ _EFFECT_VARIABLES = set(state_variables(EFFECTS)) | set(SCHEME_STATE)
 
 
 def expected_variables(effects: tuple[str, ...], scheme: str = "zero_layer") -> tuple[str, ...]:
-    """Variables of the state of a scene with these effects and scheme, no more and no less."""
+    """Variables of the state of a scene with these effects and scheme, no more and no less.
+
+    Parameters
+    ----------
+    effects : tuple of str
+        Of the scene.
+    scheme : str, optional
+        Of the column.
+
+    Returns
+    -------
+    tuple of str
+        In the order of the schema.
+    """
     wanted = set(state_variables(effects, scheme))
     return tuple(name for name in VARIABLES if name in wanted or name not in _EFFECT_VARIABLES)
 
@@ -256,7 +269,7 @@ def check_state(state: xr.Dataset) -> None:
     """
     version = state.attrs.get("schema_version")
     if version is None:
-        raise FloeError("this is no FloeFlow state: it has no schema_version")
+        raise FloeError("this is not a FloeFlow state: it has no schema_version")
     if version != SCHEMA_VERSION:
         raise FloeError(
             f"its schema version is {version}, this FloeFlow writes version {SCHEMA_VERSION}"

@@ -110,7 +110,20 @@ def split_snapshots(joined: xr.Dataset) -> Iterator[xr.Dataset]:
 
 
 def write_snapshots(snapshots: Sequence[xr.Dataset], path: str | Path) -> None:
-    """Write snapshots, or what is kept of states, whole or not at all."""
+    """Write snapshots, or what is kept of states, whole or not at all.
+
+    Parameters
+    ----------
+    snapshots : sequence of xarray.Dataset
+        In the order of time.
+    path : str or Path
+        NetCDF file, replaced in one step.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be written.
+    """
     write_dataset(join_snapshots(snapshots), path)
 
 

@@ -29,6 +29,17 @@ Velocity = tuple[float, float]
 def plane(x: float, y: float, normal: Velocity, velocity: Velocity = (0.0, 0.0)) -> Arrays:
     """Wall of one plane through a point, with ice on the side to which its normal points.
 
+    Parameters
+    ----------
+    x : float
+        Point of the plane (m).
+    y : float
+        Point of the plane (m).
+    normal : Velocity
+        Towards the ice, of any length.
+    velocity : Velocity, optional
+        m/s.
+
     Raises
     ------
     FloeError
@@ -87,6 +98,18 @@ def rings(start: np.ndarray, corner: np.ndarray) -> Arrays:
     """Wall that stands still, of closed rings: starts (k + 1,) and corners (c, 2) in metres.
 
     Rings may touch each other: each line knows those of its own ring only.
+
+    Parameters
+    ----------
+    start : ndarray
+        First corner of each ring, (k + 1,).
+    corner : ndarray
+        m, (c, 2).
+
+    Returns
+    -------
+    Arrays
+        Table of faces.
     """
     count = len(corner)
     first = np.repeat(start[:-1], np.diff(start))
@@ -100,7 +123,24 @@ def rings(start: np.ndarray, corner: np.ndarray) -> Arrays:
 
 
 def enclosed(faces: Arrays, wall: int, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Whether points (n,) lie inside of the closed rings of a wall, as of the coast around land."""
+    """Whether points (n,) lie inside of the closed rings of a wall, as of the coast around land.
+
+    Parameters
+    ----------
+    faces : Arrays
+        Table of faces.
+    wall : int
+        Number of the wall.
+    x : ndarray
+        Points (m), (n,).
+    y : ndarray
+        Points (m), (n,).
+
+    Returns
+    -------
+    ndarray
+        (n,), bool.
+    """
     rows = np.flatnonzero(faces["wall"] == wall)
     corners = np.column_stack([faces["ax"], faces["ay"]])[rows]
     if not len(rows):
@@ -137,6 +177,22 @@ def distances(faces: Arrays, x: np.ndarray, y: np.ndarray, time: float = 0.0) ->
     """Distance (m) of points from faces at a time (s); below 0 behind a plane.
 
     Points and faces are broadcast: points of shape (n, 1) give (n, faces).
+
+    Parameters
+    ----------
+    faces : Arrays
+        Table of faces.
+    x : ndarray
+        Points (m).
+    y : ndarray
+        Points (m).
+    time : float, optional
+        s since the start.
+
+    Returns
+    -------
+    ndarray
+        m.
     """
     tx, ty = faces["bx"] - faces["ax"], faces["by"] - faces["ay"]
     length = np.hypot(tx, ty)
@@ -148,7 +204,22 @@ def distances(faces: Arrays, x: np.ndarray, y: np.ndarray, time: float = 0.0) ->
 
 
 def nearest_points(faces: Arrays, place: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Points (m) of faces, one for each place (n, 2), that are nearest to it at a time (s)."""
+    """Points (m) of faces, one for each place (n, 2), that are nearest to it at a time (s).
+
+    Parameters
+    ----------
+    faces : Arrays
+        Table of faces, (n,).
+    place : ndarray
+        m, (n, 2).
+    time : float, optional
+        s since the start.
+
+    Returns
+    -------
+    ndarray
+        m, (n, 2).
+    """
     start = np.column_stack([faces["ax"] + faces["u"] * time, faces["ay"] + faces["v"] * time])
     along = np.column_stack([faces["bx"] - faces["ax"], faces["by"] - faces["ay"]])
     share = ((place - start) * along).sum(axis=1) / (along**2).sum(axis=1)
@@ -157,7 +228,24 @@ def nearest_points(faces: Arrays, place: np.ndarray, time: float = 0.0) -> np.nd
 
 
 def clearance(faces: Arrays, x: np.ndarray, y: np.ndarray, time: float = 0.0) -> np.ndarray:
-    """Distance (m) of each point (n,) from the nearest face; infinite where there is none."""
+    """Distance (m) of each point (n,) from the nearest face; infinite where there is none.
+
+    Parameters
+    ----------
+    faces : Arrays
+        Table of faces.
+    x : ndarray
+        Points (m), (n,).
+    y : ndarray
+        Points (m), (n,).
+    time : float, optional
+        s since the start.
+
+    Returns
+    -------
+    ndarray
+        m, (n,).
+    """
     planes, lined = (np.flatnonzero(faces["plane"] == kind) for kind in (1, 0))
     out = np.full(len(x), np.inf)
     if len(planes):
@@ -184,7 +272,22 @@ def _segments(faces: Arrays, rows: np.ndarray, time: float) -> np.ndarray:
 
 
 def crossed(faces: Arrays, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Whether the way between two points, (n, 2) each, crosses a face that stands still, (n,)."""
+    """Whether the way between two points, (n, 2) each, crosses a face that stands still, (n,).
+
+    Parameters
+    ----------
+    faces : Arrays
+        Table of faces.
+    start : ndarray
+        m, (n, 2).
+    end : ndarray
+        m, (n, 2).
+
+    Returns
+    -------
+    ndarray
+        bool.
+    """
     out = np.zeros(len(start), dtype=bool)
     moved = np.flatnonzero((start != end).any(axis=1))
     if len(faces["ax"]) == 0:
@@ -204,6 +307,22 @@ def unsafe(faces: Arrays, start: np.ndarray, end: np.ndarray, radius: np.ndarray
     """Whether elements that are moved, (n, 2), would lie behind a face or too near to it, (n,).
 
     Too near is nearer than before and than the share of the radius that no ridge takes.
+
+    Parameters
+    ----------
+    faces : Arrays
+        Table of faces.
+    start : ndarray
+        Centres before and after (m), (n, 2).
+    end : ndarray
+        Centres before and after (m), (n, 2).
+    radius : ndarray
+        m, (n,).
+
+    Returns
+    -------
+    ndarray
+        bool.
     """
     old, new = (clearance(faces, at[:, 0], at[:, 1]) for at in (start, end))
     near = new < np.minimum(old, LEAST_CLEARANCE * radius)
@@ -216,6 +335,15 @@ def _cross(one: np.ndarray, two: np.ndarray) -> np.ndarray:
 
 def overlapping(faces: Arrays, elements: Arrays, time: float = 0.0) -> Arrays:
     """Contacts without force of the elements that overlap a wall: rest overlap is what there is.
+
+    Parameters
+    ----------
+    faces : Arrays
+        Table of faces.
+    elements : Arrays
+        Table of n elements.
+    time : float, optional
+        s since the start.
 
     Returns
     -------

@@ -67,7 +67,25 @@ class Bins:
     room: Room
 
     def total(self, amount: Array, ranks: Ranks | None = None) -> Array:
-        """Add up an extensive quantity of the elements, (n,), in each cell, (target.shape)."""
+        """Add up an extensive quantity of the elements, (n,), in each cell, (target.shape).
+
+        Parameters
+        ----------
+        amount : ndarray
+            Of each element, (n,).
+        ranks : Ranks, optional
+            Sums over all ranks, each of which has elements of its own.
+
+        Returns
+        -------
+        ndarray
+            In the unit of the amount, (target.shape).
+
+        Raises
+        ------
+        FloeError
+            For a wrong shape, or an amount that is not finite.
+        """
         n = self.matrix.shape[1]
         if amount.shape != (n,):
             raise FloeError(
@@ -83,6 +101,23 @@ class Bins:
         """Area dealt to each cell over its sea, (target.shape); NaN on land.
 
         It exceeds 1 where elements overlap.
+
+        Parameters
+        ----------
+        area : ndarray
+            Of each element (m2), (n,).
+        ranks : Ranks, optional
+            Sums over all ranks.
+
+        Returns
+        -------
+        ndarray
+            m2/m2.
+
+        Raises
+        ------
+        FloeError
+            For a wrong shape, or an area that is not finite.
         """
         sea = self.room.area > 0.0
         dealt = self.total(area, ranks) / np.where(sea, self.room.area, 1.0)

@@ -153,6 +153,13 @@ def remap(field: Field, values: Array, remapper: Remapper, bounded: bool = True)
 def parent_weights(field: Field, remapper: Remapper) -> Weights:
     """Weights of a field's parent.
 
+    Parameters
+    ----------
+    field : Field
+        With the name of its parent.
+    remapper : Remapper
+        Weights by the name of the parent.
+
     Raises
     ------
     FloeError
@@ -169,6 +176,15 @@ def parent_weights(field: Field, remapper: Remapper) -> Weights:
 
 def ratio(field: Field, amount: Array, parent: Array) -> Array:
     """Amount per amount of the parent in each element, (n,); NaN where there is no parent.
+
+    Parameters
+    ----------
+    field : Field
+        For messages.
+    amount : ndarray
+        Of the field in each element, (n,).
+    parent : ndarray
+        Amount of the parent, (n,).
 
     Raises
     ------

@@ -74,7 +74,20 @@ class Grid:
         return x.ravel(), y.ravel()
 
     def cell_of(self, x: Array, y: Array) -> Index:
-        """Flat index of the cell that holds each place, -1 outside of all cells, (n,)."""
+        """Flat index of the cell that holds each place, -1 outside of all cells, (n,).
+
+        Parameters
+        ----------
+        x : ndarray
+            Places (m), (n,).
+        y : ndarray
+            Places (m), (n,).
+
+        Returns
+        -------
+        Index
+            Rows counted first, from the lower left.
+        """
         (ny, nx), (dx, dy) = self.shape, self.spacing
         column, row = (x - self.x[0]) / dx + 0.5, (y - self.y[0]) / dy + 0.5
         # Places on the outer edges belong to the grid, up to round-off.
@@ -86,7 +99,22 @@ class Grid:
         return np.where(inside, j * nx + i, -1)
 
     def touches(self, x: Array, y: Array, radius: Array) -> NDArray[np.bool_]:
-        """Whether discs (m) overlap the rectangle of the cells or have their centre in it, (n,)."""
+        """Whether discs (m) overlap the rectangle of the cells or have their centre in it, (n,).
+
+        Parameters
+        ----------
+        x : ndarray
+            Centres (m), (n,).
+        y : ndarray
+            Centres (m), (n,).
+        radius : ndarray
+            m, (n,).
+
+        Returns
+        -------
+        ndarray
+            (n,).
+        """
         (dx, dy), inside = self.spacing, self.cell_of(x, y) >= 0
         away_x = np.abs(x - 0.5 * (self.x[0] + self.x[-1])) - 0.5 * dx * len(self.x)
         away_y = np.abs(y - 0.5 * (self.y[0] + self.y[-1])) - 0.5 * dy * len(self.y)

@@ -207,7 +207,22 @@ def _invert(x: Array, y: Array, cx: Array, cy: Array) -> tuple[Array, Array]:
 
 
 def good_faces(x: Array, y: Array, faces: Index) -> NDArray[np.bool_]:
-    """Whether faces are convex, have an area, and lie at finite places, (faces,)."""
+    """Whether faces are convex, have an area, and lie at finite places, (faces,).
+
+    Parameters
+    ----------
+    x : ndarray
+        Nodes, (nodes,), m or degrees.
+    y : ndarray
+        Nodes, (nodes,), m or degrees.
+    faces : Index
+        Nodes of each face, (faces, 4), -1 in place of a fourth one.
+
+    Returns
+    -------
+    ndarray
+        False for a face that is refused.
+    """
     corner = np.where(faces >= 0, faces, faces[:, 2:3])
     fx, fy = x[corner], y[corner]
     sides = np.where(faces[:, 3:] >= 0, 4, 3)

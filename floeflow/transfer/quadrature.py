@@ -84,7 +84,7 @@ def polygon_points(start: Index, x: Array, y: Array, spacing: float) -> Points:
     """
     count = np.diff(start)
     if (count < 3).any():
-        raise FloeError(f"remap: the cell of element {int(np.argmax(count < 3))} is no polygon")
+        raise FloeError(f"remap: the cell of element {int(np.argmax(count < 3))} is not a polygon")
     owner = np.repeat(np.arange(len(count)), count - 2)
     rank = np.arange(len(owner)) - np.repeat(np.cumsum(count - 2) - (count - 2), count - 2)
     first, second = start[:-1][owner], start[:-1][owner] + rank + 1

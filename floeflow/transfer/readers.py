@@ -85,7 +85,7 @@ def _projection(path: Path, crs: str) -> pyproj.CRS:
     except CRSError:
         raise FloeError(f"{path}: '{crs}' names no coordinate system") from None
     if not plane.is_projected or any(axis.unit_name != "metre" for axis in plane.axis_info[:2]):
-        raise FloeError(f"{path}: '{crs}' is no projection in metres")
+        raise FloeError(f"{path}: '{crs}' is not a projection in metres")
     return plane
 
 

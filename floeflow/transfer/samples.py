@@ -82,6 +82,13 @@ class Sampler:
 
         The sum over the nodes is the sum over the elements that have nodes; slices add up.
 
+        Parameters
+        ----------
+        amount : ndarray
+            (n,).
+        name : str, optional
+            For messages.
+
         Raises
         ------
         FloeError

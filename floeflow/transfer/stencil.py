@@ -87,11 +87,41 @@ class Target(Protocol):
         """Nodes, x and y (m), (nodes,) each."""
 
     def pairs(self, x: Array, y: Array, reach: int = 1) -> Stencil:
-        """Find the nodes in reach of each element."""
+        """Find the nodes in reach of each element.
+
+        Parameters
+        ----------
+        x : ndarray
+            Places of the elements, (n,), m.
+        y : ndarray
+            Places of the elements, (n,), m.
+        reach : int, optional
+            Half-width of the hats in spacings of the nodes.
+
+        Returns
+        -------
+        Stencil
+            Pairs sorted by node.
+        """
 
 
 def check_places(x: Array, y: Array, target: Target) -> None:
-    """Refuse places that cannot be, by the number of the first."""
+    """Refuse places that cannot be, by the number of the first.
+
+    Parameters
+    ----------
+    x : ndarray
+        Places of the elements, (n,), m.
+    y : ndarray
+        Places of the elements, (n,), m.
+    target : Target
+        Nodes.
+
+    Raises
+    ------
+    FloeError
+        For a wrong shape, a place that is not finite, or nodes that look like degrees.
+    """
     if x.shape != y.shape or x.ndim != 1:
         raise FloeError(f"remap: x has shape {x.shape} and y {y.shape}; both must be (n,)")
     bad = ~(np.isfinite(x) & np.isfinite(y))
@@ -115,6 +145,25 @@ def sort_by_cell(column, row, nx, ny, reach):  # type: ignore[no-untyped-def]
     The rim of the lattice has ``reach`` more cells on each side. Returns the first element of each
     cell, and index, column and row of the elements. What lies side by side is so looked at in
     turn, however the elements are numbered.
+
+    Parameters
+    ----------
+    column : ndarray
+        Places in units of the spacing, counted from the first node, (n,).
+    row : ndarray
+        Places in units of the spacing, counted from the first node, (n,).
+    nx : int
+        Numbers of nodes.
+    ny : int
+        Numbers of nodes.
+    reach : int
+        Half-width of the hats in spacings.
+
+    Returns
+    -------
+    tuple of ndarray
+        First element of each cell (cells + 1,); index, column and row of the m elements in reach,
+        (m,).
     """
     width, height = nx - 1 + 2 * reach, ny - 1 + 2 * reach
     n = len(column)
@@ -142,7 +191,30 @@ def sort_by_cell(column, row, nx, ny, reach):  # type: ignore[no-untyped-def]
 
 @jit
 def lattice_pairs(cell_start, order, column, row, nx, ny, reach):  # type: ignore[no-untyped-def]
-    """Pairs of a regular grid from elements that `sort_by_cell` has sorted; see `Stencil`."""
+    """Pairs of a regular grid from elements that `sort_by_cell` has sorted; see `Stencil`.
+
+    Parameters
+    ----------
+    cell_start : ndarray
+        First element of each cell (cells + 1,), and index of the elements, (m,).
+    order : ndarray
+        First element of each cell (cells + 1,), and index of the elements, (m,).
+    column : ndarray
+        Places of the sorted elements in units of the spacing, (m,).
+    row : ndarray
+        Places of the sorted elements in units of the spacing, (m,).
+    nx : int
+        Numbers of nodes.
+    ny : int
+        Numbers of nodes.
+    reach : int
+        Half-width of the hats in spacings.
+
+    Returns
+    -------
+    tuple of ndarray
+        First pair of each node (nodes + 1,); element, hat, xi and eta of the pairs, (pairs,).
+    """
     width = nx - 1 + 2 * reach
     most = len(order) * (2 * reach) ** 2
     start = np.zeros(nx * ny + 1, np.int64)
@@ -168,7 +240,26 @@ def lattice_pairs(cell_start, order, column, row, nx, ny, reach):  # type: ignor
 def sort_pairs(
     node: Index, element: Index, columns: tuple[Array, Array, Array], nodes: int, elements: int
 ) -> Stencil:
-    """Stencil from pairs in any order; ``columns`` are hat, xi and eta."""
+    """Stencil from pairs in any order; ``columns`` are hat, xi and eta.
+
+    Parameters
+    ----------
+    node : Index
+        Node of each pair, (pairs,).
+    element : Index
+        Element of each pair, (pairs,).
+    columns : tuple of ndarray
+        Hat and local coordinates of each pair, (pairs,) each.
+    nodes : int
+        Numbers of nodes and of elements.
+    elements : int
+        Numbers of nodes and of elements.
+
+    Returns
+    -------
+    Stencil
+        Sorted by node, then by element.
+    """
     order = np.lexsort((element, node))
     start = np.zeros(nodes + 1, np.int64)
     np.cumsum(np.bincount(node, minlength=nodes), out=start[1:])
@@ -178,7 +269,28 @@ def sort_pairs(
 
 @jit
 def sum_moments(start, element, hat, xi, eta, weight):  # type: ignore[no-untyped-def]
-    """Sums of 1, xi, eta, xi^2, xi eta, eta^2 times hat and weight, (6, nodes)."""
+    """Sums of 1, xi, eta, xi^2, xi eta, eta^2 times hat and weight, (6, nodes).
+
+    Parameters
+    ----------
+    start : ndarray
+        First pair of each node, (nodes + 1,).
+    element : ndarray
+        Element of each pair, (pairs,).
+    hat : ndarray
+        Hat and local coordinates of each pair, (pairs,).
+    xi : ndarray
+        Hat and local coordinates of each pair, (pairs,).
+    eta : ndarray
+        Hat and local coordinates of each pair, (pairs,).
+    weight : ndarray
+        Of each element, (n,).
+
+    Returns
+    -------
+    ndarray
+        In the unit of the weight.
+    """
     nodes = len(start) - 1
     moments = np.zeros((6, nodes))
     for node in range(nodes):
@@ -220,7 +332,22 @@ def plane_weights(start, element, hat, xi, eta, weight, planes):  # type: ignore
 
 @jit
 def row_bounds(start, element, field):  # type: ignore[no-untyped-def]
-    """Least and largest value among each node's elements; inf and -inf without any."""
+    """Least and largest value among each node's elements; inf and -inf without any.
+
+    Parameters
+    ----------
+    start : ndarray
+        First pair of each node, (nodes + 1,).
+    element : ndarray
+        Element of each pair, (pairs,).
+    field : ndarray
+        Of each element, (n,).
+
+    Returns
+    -------
+    tuple of ndarray
+        (nodes,) each.
+    """
     nodes = len(start) - 1
     low, high = np.full(nodes, np.inf), np.full(nodes, -np.inf)
     for node in range(nodes):

@@ -37,6 +37,13 @@ def target_variables(target: Target) -> dict[str, tuple[tuple[str, ...], np.ndar
 def save_weights(weights: Weights, path: str | Path) -> None:
     """Write weights to a NetCDF file, whole or not at all.
 
+    Parameters
+    ----------
+    weights : Weights
+        From elements to nodes.
+    path : str or Path
+        NetCDF file, replaced in one step.
+
     Raises
     ------
     FloeError

@@ -98,6 +98,23 @@ class Weights:
         """Least and largest value among the elements of each node, (target.shape) each.
 
         Infinite (least above largest) where no element is in reach.
+
+        Parameters
+        ----------
+        field : ndarray
+            Of each element, (n,).
+        ranks : Ranks, optional
+            Bounds over all ranks.
+
+        Returns
+        -------
+        tuple of ndarray
+            In the unit of the field.
+
+        Raises
+        ------
+        FloeError
+            For a wrong shape, or a value that is not finite.
         """
         self._check(field)
         low, high = row_bounds(self.matrix.indptr, self.matrix.indices, field)
@@ -260,14 +277,44 @@ def build_weights(
 
 
 def select_pairs(pairs: Stencil, chosen: NDArray[np.bool_]) -> Stencil:
-    """Some of the pairs of a stencil."""
+    """Some of the pairs of a stencil.
+
+    Parameters
+    ----------
+    pairs : Stencil
+        Sorted by node.
+    chosen : ndarray
+        Which of the pairs stay, (pairs,).
+
+    Returns
+    -------
+    Stencil
+        Sorted by node, for the same nodes.
+    """
     before = np.concatenate([[0], np.cumsum(chosen)])
     hat, xi, eta = (column[chosen] for column in (pairs.hat, pairs.xi, pairs.eta))
     return Stencil(before[pairs.start], pairs.element[chosen], hat, xi, eta, pairs.elements)
 
 
 def sparse(start: Index, element: NDArray[np.int32], data: Array, elements: int) -> csr_array:
-    """Sparse matrix (nodes, elements) of sorted pairs, with 32-bit indices where they suffice."""
+    """Sparse matrix (nodes, elements) of sorted pairs, with 32-bit indices where they suffice.
+
+    Parameters
+    ----------
+    start : Index
+        First pair of each node, (nodes + 1,).
+    element : ndarray
+        Element of each pair, (pairs,).
+    data : ndarray
+        Value of each pair, (pairs,).
+    elements : int
+        Number of elements.
+
+    Returns
+    -------
+    csr_array
+        The pairs' values.
+    """
     if start[-1] < np.iinfo(np.int32).max:
         start = start.astype(np.int32)
     return csr_array((data, element, start), shape=(len(start) - 1, elements))

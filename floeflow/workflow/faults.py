@@ -22,7 +22,22 @@ UNKNOWN = "a job ended without saying why (it may have been killed); its log lie
 
 
 def leave_fault(folder: Path, sentence: str, log: Path) -> bool:
-    """Leave what a job says for the main process; whether that could be written."""
+    """Leave what a job says for the main process; whether that could be written.
+
+    Parameters
+    ----------
+    folder : Path
+        In which it is left.
+    sentence : str
+        For the user.
+    log : Path
+        That has the details.
+
+    Returns
+    -------
+    bool
+        False where it could not be written.
+    """
     told = {"sentence": sentence, "log": str(log), "run": os.environ.get(RUN_VARIABLE, "")}
     try:
         write_text(json.dumps(told) + "\n", folder / FAULT)

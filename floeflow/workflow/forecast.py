@@ -57,7 +57,20 @@ def forecast(scene: Scene, chunks: Iterable[str], workflow: Any) -> Forecast | N
 
 
 def rank_count(scene: Scene, workflow: Any) -> int:
-    """MPI ranks of a window: on one machine its threads, as many as there are cores for."""
+    """MPI ranks of a window: on one machine its threads, as many as there are cores for.
+
+    Parameters
+    ----------
+    scene : Scene
+        With the ranks of a job.
+    workflow : object
+        Of Snakemake.
+
+    Returns
+    -------
+    int
+        At least 1.
+    """
     if not workflow.local_exec:
         return job_ranks(scene)
     settings = workflow.resource_settings

@@ -48,6 +48,13 @@ def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
     """Run a rule's script: logging to its log, a fault as one sentence, exit code 1.
 
     The sentence is left for the main process, which says it last (`floeflow.workflow.faults`).
+
+    Parameters
+    ----------
+    main : callable
+        What the rule does.
+    snakemake : Snakemake
+        What Snakemake puts into the rule's script.
     """
     log = Path(str(snakemake.log[0]))
     log.parent.mkdir(parents=True, exist_ok=True)

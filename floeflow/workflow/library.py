@@ -61,6 +61,13 @@ def made_with(plugin: Path) -> str:
 def check_made_with(plugin: Path, at_start: str) -> None:
     """Refuse to go on with another plugin or other code than the run began with.
 
+    Parameters
+    ----------
+    plugin : Path
+        Shared library.
+    at_start : str
+        Digest that the run began with; empty for none.
+
     Raises
     ------
     FloeError

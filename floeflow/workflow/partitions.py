@@ -30,7 +30,20 @@ def partition_minutes(arguments: Sequence[str] = ()) -> int | None:
 
 
 def longest(table: str, partition: str = "") -> int | None:
-    """Limit of a partition, else of the default one, in what ``sinfo`` says; none if unknown."""
+    """Limit of a partition, else of the default one, in what ``sinfo`` says; none if unknown.
+
+    Parameters
+    ----------
+    table : str
+        Output of ``sinfo``.
+    partition : str, optional
+        Name; empty for the default one.
+
+    Returns
+    -------
+    int or None
+        minutes.
+    """
     for line in table.splitlines():
         name, _, limit = line.strip().partition(" ")
         if name.rstrip("*") == partition or (not partition and name.endswith("*")):
@@ -48,7 +61,22 @@ def minutes(limit: str) -> int | None:
 
 
 def within(asked: int, limit: int | None, rule: str) -> int:
-    """What a job may ask for, with a sentence where that is less than it wants."""
+    """What a job may ask for, with a sentence where that is less than it wants.
+
+    Parameters
+    ----------
+    asked : int
+        minutes.
+    limit : int or None
+        Of the partition (minutes); None if unknown.
+    rule : str
+        Name, for the warning.
+
+    Returns
+    -------
+    int
+        minutes.
+    """
     if limit is None or asked <= limit:
         return asked
     print(

@@ -155,7 +155,20 @@ class Scenes:
         return os.environ.get(MPI_VARIABLE, "")
 
     def within_limits(self, minutes: int, rule: str) -> int:
-        """Time that a job may ask for: on a cluster, what its partition allows."""
+        """Time that a job may ask for: on a cluster, what its partition allows.
+
+        Parameters
+        ----------
+        minutes : int
+            That are wanted.
+        rule : str
+            Name of the rule.
+
+        Returns
+        -------
+        int
+            minutes.
+        """
         if not self._main or self._workflow.local_exec:
             return minutes
         if not self._limits:
@@ -177,7 +190,20 @@ class Scenes:
         return self.run(name).scene
 
     def hash(self, name: str, stage: str) -> str:
-        """Hash of the keys that a stage reads of a scene, which thousands of jobs ask for."""
+        """Hash of the keys that a stage reads of a scene, which thousands of jobs ask for.
+
+        Parameters
+        ----------
+        name : str
+            Of the scene.
+        stage : str
+            Of the workflow.
+
+        Returns
+        -------
+        str
+            16 hexadecimal digits.
+        """
         if (name, stage) not in self._hashes:
             self._hashes[name, stage] = stage_hash(self.scene(name), stage)
         return self._hashes[name, stage]
@@ -186,6 +212,18 @@ class Scenes:
         """Scene whose file of a stage of preprocessing this scene uses.
 
         That of the base scene, where a variant changes no key that the stage or those before read.
+
+        Parameters
+        ----------
+        name : str
+            Of the scene.
+        stage : str
+            Of preprocessing.
+
+        Returns
+        -------
+        str
+            Name of the scene.
         """
         base = name.partition(PLUS)[0]
         same = base == name or chain_hash(self.scene(base), stage) != chain_hash(
@@ -294,7 +332,15 @@ class Scenes:
 
 
 def write_resolved(run: Run, folder: Path) -> None:
-    """Write ``scene.yaml`` with all keys, and ``resolved.json``, each only where it changed."""
+    """Write ``scene.yaml`` with all keys, and ``resolved.json``, each only where it changed.
+
+    Parameters
+    ----------
+    run : Run
+        Scene, and how it was made.
+    folder : Path
+        Of the results.
+    """
     keys = run.scene.model_dump(mode="json")
     head = "# All keys of the scene, effects made concrete. Written by the workflow: do not edit.\n"
     how = {"chosen_by": run.chosen_by, "made_with": run.made_with}

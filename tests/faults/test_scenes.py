@@ -100,10 +100,10 @@ def test_unknown_configuration_is_refused(tmp_path: Path, capsys: pytest.Capture
 
 
 def test_meshes_that_would_hang_or_fill_the_memory_are_refused(tmp_path: Path):
-    with pytest.raises(FloeError, match="is no file, so no mesh"):
+    with pytest.raises(FloeError, match="is not a file, so no mesh"):
         check_mesh_file(tmp_path)
     os.mkfifo(tmp_path / "pipe.stl")
-    with pytest.raises(FloeError, match="pipe.stl: is no file"):
+    with pytest.raises(FloeError, match="pipe.stl: is not a file"):
         check_mesh_file(tmp_path / "pipe.stl")
     (tmp_path / "short.stl").write_bytes(bytes(80) + struct.pack("<I", 4_000_000_000) + bytes(50))
     with pytest.raises(FloeError, match="holds 4000000000 triangles, but ends before"):

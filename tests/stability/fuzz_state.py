@@ -4,8 +4,9 @@
     python tests/stability/fuzz_state.py bytes|fields FOLDER [options of libFuzzer]
 
 `bytes`: whatever a file holds, it is read as it was written or refused in one line that names it.
-`fields`: a state whose names, types, shapes, values and attributes the fuzzer has changed, sealed
-as if FloeFlow had written it, is refused in one line, or is a state that can be written again.
+`fields`: a state whose names, types, shapes, values and attributes the fuzzer has changed, with a
+checksum as if FloeFlow had written it, is refused in one line, or is a state that can be written
+again.
 FOLDER gets the inputs that reached new code (`corpus-...`) and those that broke something.
 """
 
@@ -23,7 +24,7 @@ import xarray as xr
 with atheris.instrument_imports(include=["floeflow.state", "floeflow.scene.effects"]):
     from floeflow.core.errors import FloeError
     from floeflow.state import check_state, read_state, write_state
-    from floeflow.state.file_checksum import seal
+    from floeflow.state.file_checksum import append_file_checksum
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from unit.state.test_state import a_state  # noqa: E402
@@ -62,7 +63,7 @@ def fuzz_bytes(path: Path, data: bytes, original: xr.Dataset) -> None:
 
 
 def fuzz_fields(path: Path, data: bytes) -> None:
-    """Read a sealed file of a state that these bytes have changed."""
+    """Read a file with a checksum of a state that these bytes have changed."""
     source = atheris.FuzzedDataProvider(data)
     state = base(source.PickValueInList(list(EFFECTS)), source.ConsumeIntInRange(1, 3))
     path.unlink(missing_ok=True)
@@ -72,7 +73,7 @@ def fuzz_fields(path: Path, data: bytes) -> None:
         state.to_netcdf(path, engine="netcdf4", format="NETCDF4")
     except Exception:  # what Xarray or NetCDF cannot hold, no file brings
         return
-    seal(path)
+    append_file_checksum(path)
     found = refused(path, read_state)
     if found is not None:
         check_state(found)
@@ -140,7 +141,7 @@ def main() -> None:
         write_state(original, place)
         whole = place.read_bytes()
         original = read_state(place)
-        for name, seed in (("whole", whole), ("cut", whole[:3000]), ("unsealed", whole[:-90])):
+        for name, seed in (("whole", whole), ("cut", whole[:3000]), ("unsigned", whole[:-90])):
             (corpus / name).write_bytes(seed)
         options.append(f"-max_len={len(whole) + 200}")
     else:

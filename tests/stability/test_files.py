@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 from floeflow.core.errors import FloeError
 from floeflow.scene import load_scene
 from floeflow.state import SCHEMA_VERSION, read_state, write_state
-from floeflow.state.file_checksum import seal
+from floeflow.state.file_checksum import append_file_checksum
 from unit.state.test_state import a_state
 
 PAGE = 4096
@@ -166,7 +166,7 @@ def test_a_state_of_a_newer_version_is_named(tmp_path: Path):
     with netCDF4.Dataset(path, "a") as file:
         file.schema_version = SCHEMA_VERSION + 1
     assert "checksum" in refusal(path)
-    seal(path)  # as a newer program would write it
+    append_file_checksum(path)  # as a newer program would write it
     said = refusal(path)
     assert f"version is {SCHEMA_VERSION + 1}" in said and f"versions 1 to {SCHEMA_VERSION}" in said
 
@@ -202,7 +202,7 @@ HOSTILE = [
 def test_a_hostile_scene_name_is_refused(tmp_path: Path, name: str):
     path = tmp_path / "scene.yaml"
     path.write_text(yaml.safe_dump({"name": name}))
-    with pytest.raises(FloeError, match="name: .* is no plain name"):
+    with pytest.raises(FloeError, match="name: .* is not a plain name"):
         load_scene(path)
     assert list(tmp_path.iterdir()) == [path]
 
@@ -210,5 +210,5 @@ def test_a_hostile_scene_name_is_refused(tmp_path: Path, name: str):
 def test_a_hostile_file_name_gives_its_scene_no_name(tmp_path: Path):
     path = tmp_path / "my scene; touch y.yaml"
     path.write_text("seed: 1\n")
-    with pytest.raises(FloeError, match="is no plain name"):
+    with pytest.raises(FloeError, match="is not a plain name"):
         load_scene(path)

@@ -19,13 +19,14 @@ import pytest
 
 from floeflow.dynamics.engine.engine import EngineParams
 from floeflow.state.bonds import Arrays
+from support.full_ice import full_params
 from support.rafts import lattice, uniform
 from support.stability.packs import neighbours
 from support.stability.watch import Watched, default_step, watch
 
 WIND = 20.0
 HOUR, DAY = 3600.0, 86400.0
-LAWS = EngineParams(
+LAWS = full_params(
     time_step=1.0, ridging=True, wind=True, ocean_drag=True, coriolis=True, compressive_strength=1e5
 )
 

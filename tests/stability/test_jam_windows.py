@@ -47,7 +47,7 @@ def hold(at: Setting, seen: Pressed, record) -> None:
     assert max(seen.overlap) <= 1.02
     assert worst < 0.02
     # Discs shrink as they ridge, and with them the step, until they are replaced or merged.
-    if at.cure in ("remap every window", "merge"):
+    if at.remesh in ("remap every window", "merge"):
         assert min(seen.steps) > 0.5 * seen.steps[0]
     # It was pressed: ice went into ridges and against the coast.
     assert seen.total("ridged_area") > 0.0
@@ -58,30 +58,30 @@ A_DAY, TEN_DAYS = (4, 80), (40, 200)
 
 
 @pytest.mark.parametrize(
-    ("cure", "windows", "elements"),
+    ("remesh", "windows", "elements"),
     [
         # In a day nothing overlaps enough to be remapped, but where every window remaps.
-        *((cure, *A_DAY) for cure in jam.CURES if cure != "remap"),
-        *(pytest.param(cure, *TEN_DAYS, marks=pytest.mark.slow) for cure in jam.CURES),
+        *((remesh, *A_DAY) for remesh in jam.REMESHING if remesh != "remap"),
+        *(pytest.param(remesh, *TEN_DAYS, marks=pytest.mark.slow) for remesh in jam.REMESHING),
     ],
 )
 def test_windows_of_a_pack_pressed_against_a_coast(
-    tmp_path: Path, cure: str, windows: int, elements: int, record
+    tmp_path: Path, remesh: str, windows: int, elements: int, record
 ):
-    """Into a bay, with no cure, with remap where elements overlap or always, with merge."""
-    at = jam.setting(cure, elements)
+    """Into a bay, with no remeshing, with remap where elements overlap or always, with merge."""
+    at = jam.setting(remesh, elements)
     seen = jam.press(at, windows, tmp_path / "log")
     hold(at, seen, record)
-    if cure == "remap every window":
+    if remesh == "remap every window":
         assert seen.total("remap_done") == windows
 
 
 @pytest.mark.slow
 def test_ice_that_is_remapped_ridges_as_much(tmp_path: Path, record):
-    """Six days without a cure and with remap where elements overlap: the same ridges."""
+    """Six days without remeshing and with remap where elements overlap: the same ridges."""
     ridged = []
-    for cure in ("none", "remap"):
-        at = jam.setting(cure, 120)
+    for remesh in ("none", "remap"):
+        at = jam.setting(remesh, 120)
         seen = jam.press(at, 24, tmp_path / "log")
         ridged.append(seen.total("ridged_area") / float(at.state["area"].sum()))
     record(ridged_share=ridged[0], ridged_share_with_remap=ridged[1])
@@ -89,7 +89,7 @@ def test_ice_that_is_remapped_ridges_as_much(tmp_path: Path, record):
     assert ridged[1] == pytest.approx(ridged[0], rel=0.15)
 
 
-@pytest.mark.parametrize("cure", ["none", "remap every window"])
-def test_windows_of_a_pack_pressed_into_a_corner(tmp_path: Path, cure: str, record):
-    at = jam.setting(cure, 80, (-jam.WIND / np.sqrt(2.0), -jam.WIND / np.sqrt(2.0)))
+@pytest.mark.parametrize("remesh", ["none", "remap every window"])
+def test_windows_of_a_pack_pressed_into_a_corner(tmp_path: Path, remesh: str, record):
+    at = jam.setting(remesh, 80, (-jam.WIND / np.sqrt(2.0), -jam.WIND / np.sqrt(2.0)))
     hold(at, jam.press(at, 4, tmp_path / "log"), record)

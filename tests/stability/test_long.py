@@ -17,9 +17,10 @@ import xarray as xr
 from mpi4py import MPI
 
 from floeflow.diagnostics.gridded import gridded_fields, hat_reach, sea_room
-from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.engine.engine import Engine, Forcing
 from floeflow.state.bonds import Arrays
 from floeflow.transfer import Grid
+from support.full_ice import full_params
 from support.rafts import lattice, uniform
 from support.remesh_cases import coast_case, jiggled, remapped, spacing_of, totals
 from support.stability.packs import neighbours
@@ -33,7 +34,7 @@ TOTALS = (
     ("sivol", "ice_volume", "sivolume"),
     ("sisnthick", "snow_volume", "sisnvolume"),
 )
-LAWS = EngineParams(time_step=1.0, bonds=True, coriolis=True, compressive_strength=1e8)
+LAWS = full_params(time_step=1.0, bonds=True, coriolis=True, compressive_strength=1e8)
 
 
 def canonical_spin(ice: Arrays) -> float:
@@ -151,7 +152,7 @@ def test_times_far_from_the_epoch_change_nothing(log: Path, start: float, record
     found = []
     for begin in (0.0, start):
         ice, bonds = moving_raft()
-        params = default_step(ice, bonds, EngineParams(**{**vars(LAWS), "wind": True}), 0.8)
+        params = default_step(ice, bonds, full_params(**{**vars(LAWS), "wind": True}), 0.8)
         clock = np.linspace(0.0, 4000.0, 9)
         on = np.ones((9, 2, 2))
         wind = {"wind_u": 10.0 * np.sin(clock / 500.0)[:, None, None] * on, "wind_v": 5.0 * on}

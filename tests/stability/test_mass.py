@@ -15,6 +15,7 @@ import pytest
 
 from floeflow.dynamics.engine.engine import EngineParams, Forcing
 from floeflow.state.bonds import Arrays
+from support.full_ice import full_params
 from support.rafts import ICE, lattice, uniform
 from support.stability.packs import squeezed
 from support.stability.watch import default_step, watch
@@ -48,7 +49,7 @@ def fastest_drift(params: EngineParams) -> float:
 
 def test_masses_a_billion_apart_in_touch_under_a_jumping_wind(log: Path, record):
     pack = mixed_masses()
-    params = default_step(pack, None, EngineParams(time_step=1.0, **LAWS), 0.8)
+    params = default_step(pack, None, full_params(time_step=1.0, **LAWS), 0.8)
     assert pack["mass"].max() / pack["mass"].min() == pytest.approx(1e9)
     steps = 2000
     seen = watch(
@@ -61,7 +62,7 @@ def test_masses_a_billion_apart_in_touch_under_a_jumping_wind(log: Path, record)
 
 
 def test_one_step_serves_all_thicknesses(record):
-    params = EngineParams(time_step=1.0, **LAWS)
+    params = full_params(time_step=1.0, **LAWS)
     steps = []
     for h in THICKNESS:
         pack = lattice(4, 4)
@@ -77,7 +78,7 @@ def test_energy_of_unlike_masses_is_accounted_for(log: Path, overlap: float, rec
     pack = squeezed(mixed_masses(), overlap)
     residuals = []
     for share in (0.8, 0.4, 0.2):
-        params = default_step(pack, None, EngineParams(time_step=1.0, **LAWS), share)
+        params = default_step(pack, None, full_params(time_step=1.0, **LAWS), share)
         seen = watch(log, pack, params, 600.0, forcing=uniform((WIND, 0.0), (0.0, 0.0), 1.4e-4))
         residuals.append(seen.residual)
     record(residual=residuals[0], residual_at_a_quarter=residuals[-1])

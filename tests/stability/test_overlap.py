@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Hard case 3: packs that overlap from the start, discs at one place, giants beside dwarfs.
+"""Hard case 3: packs that overlap from the start, discs at one place, large beside small discs.
 
 What must hold: the pack is refused in a sentence, or it runs, and what was placed into each other
 is not thrown apart.
@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 
 from floeflow.core.errors import FloeError
-from floeflow.dynamics.engine.engine import EngineParams
 from floeflow.dynamics.ridging.overlaps import overlapping_pairs, rest_overlaps
 from floeflow.state.bonds import CONTACT_COLUMNS, empty_pairs
+from support.full_ice import full_params
 from support.rafts import discs, lattice, uniform
 from support.stability.packs import random_pack, squeezed
 from support.stability.watch import default_step, watch
 
-LAWS = EngineParams(time_step=1.0, ocean_drag=True)
+LAWS = full_params(time_step=1.0, ocean_drag=True)
 STILL = uniform((0.0, 0.0), (0.0, 0.0))
 
 
@@ -43,7 +43,7 @@ def test_overlapping_packs_part_without_a_push(log: Path, share: float, record):
     x, y = (pack[name] - pack[name].mean() for name in "xy")
     pack |= {"u": 1e-4 * x, "v": 1e-4 * y}
     contacts = rest_overlaps(pack, None, empty_pairs(CONTACT_COLUMNS))
-    params = default_step(pack, None, EngineParams(time_step=1.0), 0.8)
+    params = default_step(pack, None, full_params(time_step=1.0), 0.8)
     seen = watch(log, pack, params, 2e4, None, contacts)
     record(largest_speed=seen.largest_speed)
     assert seen.largest_speed <= np.hypot(pack["u"], pack["v"]).max() * (1 + 1e-9)
@@ -56,7 +56,7 @@ def test_pressed_overlaps_push_with_what_was_added(log: Path):
     pack["u"] = np.array([0.0, 0.0, -0.5])
     contacts = rest_overlaps(pack, None, empty_pairs(CONTACT_COLUMNS))
     assert contacts["rest_overlap"] == pytest.approx([500.0])
-    params = default_step(pack, None, EngineParams(time_step=1.0, friction=False), 0.4)
+    params = default_step(pack, None, full_params(time_step=1.0, friction=False), 0.4)
     seen = watch(log, pack, params, 1500.0, None, contacts)
     assert seen.elements["u"][0] < -0.01
     total = pack["mass"] @ pack["u"]
@@ -80,15 +80,15 @@ def test_radii_that_no_disc_has_are_refused(log: Path, radius: float):
         watch(log, pack, LAWS, 1.0, forcing=STILL)
 
 
-def test_a_giant_among_dwarfs(log: Path, record):
+def test_a_large_disc_among_small_ones(log: Path, record):
     """One disc a thousand times as wide as its neighbours, pushed through them."""
     angle = 2.0 * np.pi * np.arange(200) / 200
-    giant = discs([0.0], [0.0], 1e5, 2.0)
-    dwarfs = discs(1.001e5 * np.cos(angle), 1.001e5 * np.sin(angle), 100.0, 0.5)
-    pack = {name: np.concatenate([giant[name], dwarfs[name]]) for name in giant}
+    large = discs([0.0], [0.0], 1e5, 2.0)
+    small = discs(1.001e5 * np.cos(angle), 1.001e5 * np.sin(angle), 100.0, 0.5)
+    pack = {name: np.concatenate([large[name], small[name]]) for name in large}
     pack["id"] = np.arange(1, 202)
     pack["u"][0] = 0.2
-    params = default_step(pack, None, EngineParams(time_step=1.0), 0.8)
+    params = default_step(pack, None, full_params(time_step=1.0), 0.8)
     seen = watch(log, pack, params, 3000.0)
     record(step=params.time_step, largest_overlap=seen.largest_overlap, residual=seen.residual)
     # What a heavy body hits leaves with at most twice its speed.

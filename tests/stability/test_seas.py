@@ -55,7 +55,7 @@ def southward(time: float) -> tuple[float, float]:
 
 
 SEAS = {"basin": (basin, storms), "strait": (strait, southward), "coast": (coast, southward)}
-QUICK = [(name, cure, 3, 0.5 * DAY) for name in SEAS for cure in ("", "remap")]
+QUICK = [(name, remesh, 3, 0.5 * DAY) for name in SEAS for remesh in ("", "remap")]
 LONG = [
     ("basin", "remap", 60, DAY),
     ("basin", "", 20, 3 * DAY),
@@ -65,8 +65,8 @@ LONG = [
 ]
 
 
-def hold(log: Path, land: np.ndarray, wind: Wind, cure: str, count: int, window: float) -> None:
-    scene, mask = a_scene(150, window, *([cure] if cure else [])), a_mask(land)
+def hold(log: Path, land: np.ndarray, wind: Wind, remesh: str, count: int, window: float) -> None:
+    scene, mask = a_scene(150, window, *([remesh] if remesh else [])), a_mask(land)
     start, _ = first_state(scene, mask)
     volume = float(start["area"] @ start["ice_volume"].sum("category"))
     steps = []
@@ -85,18 +85,18 @@ def hold(log: Path, land: np.ndarray, wind: Wind, cure: str, count: int, window:
     assert min(steps) > 0.6 * steps[0]
 
 
-@pytest.mark.parametrize(("name", "cure", "count", "window"), QUICK)
+@pytest.mark.parametrize(("name", "remesh", "count", "window"), QUICK)
 def test_a_sea_holds_for_days(
-    tmp_path: Path, name: str, cure: str, count: int, window: float
+    tmp_path: Path, name: str, remesh: str, count: int, window: float
 ) -> None:
     land, wind = SEAS[name]
-    hold(tmp_path / "log", land(), wind, cure, count, window)
+    hold(tmp_path / "log", land(), wind, remesh, count, window)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "cure", "count", "window"), LONG)
+@pytest.mark.parametrize(("name", "remesh", "count", "window"), LONG)
 def test_a_sea_holds_for_weeks(
-    tmp_path: Path, name: str, cure: str, count: int, window: float
+    tmp_path: Path, name: str, remesh: str, count: int, window: float
 ) -> None:
     land, wind = SEAS[name]
-    hold(tmp_path / "log", land(), wind, cure, count, window)
+    hold(tmp_path / "log", land(), wind, remesh, count, window)

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from floeflow.core.errors import FloeError
-from floeflow.dynamics.engine.engine import EngineParams
+from support.full_ice import full_params
 from support.rafts import bonded, discs, lattice
 from support.stability.packs import neighbours
 from support.stability.watch import default_step, watch
 
-LAWS = EngineParams(time_step=1.0, bonds=True, compressive_strength=1e6, tensile_share=0.1)
+LAWS = full_params(time_step=1.0, bonds=True, compressive_strength=1e6, tensile_share=0.1)
 
 
 @pytest.mark.parametrize("side", [20, pytest.param(60, marks=pytest.mark.slow)])
@@ -109,7 +109,7 @@ def test_bonds_of_a_metre_beside_bonds_of_a_hundred_kilometres(log: Path, record
 )
 def test_no_strength_and_endless_strength_are_refused(strength: float, sentence: str):
     with pytest.raises(FloeError, match=sentence):
-        EngineParams(time_step=1.0, bonds=True, compressive_strength=strength)
+        full_params(time_step=1.0, bonds=True, compressive_strength=strength)
 
 
 def test_ice_that_nothing_breaks_is_refused_where_neighbours_cannot_follow(log: Path):

@@ -26,12 +26,13 @@ from floeflow.dynamics.engine.params import FIXED
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.scene.blocks import Dynamics
 from floeflow.state.bonds import Arrays
+from support.full_ice import full_params
 from support.stability.packs import PACKS, neighbours, random_pack, shaken, squeezed
 from support.stability.pressed import PRESSED, at_rest, network_step
 from support.stability.watch import default_step, watch
 
 # Contacts hardly matter, so that the bonds' limit is seen alone at any stiffness.
-LAWS = EngineParams(
+LAWS = full_params(
     time_step=1.0,
     bonds=True,
     bond_damping=0.1,
@@ -44,7 +45,7 @@ DEFAULT = Dynamics().step_share
 
 
 # Contacts as scenes have them, friction and its damping among them.
-CONTACTS = EngineParams(time_step=1.0, contact_damping=0.3)
+CONTACTS = full_params(time_step=1.0, contact_damping=0.3)
 AIM = 0.6
 
 

@@ -3,7 +3,7 @@
 
 After each round the water is as wide as before it. **Hard**, since what opens in one part of a
 round is to close in another: ice that resists before its gaps are closed would ridge away, and a
-cure that makes or takes elements would let their number creep.
+remeshing that makes or removes elements would let their number creep.
 """
 
 from __future__ import annotations
@@ -58,13 +58,13 @@ def blowing(begin: float, window: float) -> xr.Dataset:
     )
 
 
-def hold(log: Path, count: int, cure: str, every: int) -> dict[str, float]:
+def hold(log: Path, count: int, remesh: str, every: int) -> dict[str, float]:
     """Strain a pack for so many days; what was least and most of its figures, over the first."""
     land = np.zeros((CELLS, CELLS), dtype=bool)
     land[[0, -1]] = land[:, [0, -1]] = True
     y, x = np.mgrid[:CELLS, :CELLS] - 0.5 * (CELLS - 1)
     ice = (np.maximum(abs(x), abs(y)) < 0.5 * ICE * CELLS).astype(float)
-    more = [cure] if cure else []
+    more = [remesh] if remesh else []
     scene = a_scene(150, DAY, *more, every=every, compressive_strength=STRENGTH)
     mask = a_mask(land, ice=ice)
     steps, elements, water = [], [150], []
@@ -93,8 +93,8 @@ def assert_held(shown: dict[str, float]) -> None:
     assert shown["fewest elements"] > 0.8 and shown["most elements"] < 1.2
 
 
-# Without a cure, remapped where overlap asks for it (the default), and every five days.
-CURES = [("", 0), ("remap", 0), ("remap", 5)]
+# Without remeshing, remapped where overlap asks for it (the default), and every five days.
+REMESHING = [("", 0), ("remap", 0), ("remap", 5)]
 SPREADS = pytest.mark.xfail(
     strict=True,
     reason="a remap gives the gaps of an open pack to elements, and closing does not take all of "
@@ -102,22 +102,24 @@ SPREADS = pytest.mark.xfail(
 )
 
 
-@pytest.mark.parametrize(("cure", "every"), CURES)
+@pytest.mark.parametrize(("remesh", "every"), REMESHING)
 def test_a_pack_is_strained_for_a_round(
-    tmp_path: Path, record: Callable[..., None], cure: str, every: int
+    tmp_path: Path, record: Callable[..., None], remesh: str, every: int
 ) -> None:
     """Opening, shearing and closing once."""
-    shown = hold(tmp_path / "log", 6, cure, every)
+    shown = hold(tmp_path / "log", 6, remesh, every)
     record(**shown)
     assert_held(shown)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("cure", "every"), [*CURES[:2], pytest.param(*CURES[2], marks=SPREADS)])
+@pytest.mark.parametrize(
+    ("remesh", "every"), [*REMESHING[:2], pytest.param(*REMESHING[2], marks=SPREADS)]
+)
 def test_a_pack_is_strained_for_ninety_days(
-    tmp_path: Path, record: Callable[..., None], cure: str, every: int
+    tmp_path: Path, record: Callable[..., None], remesh: str, every: int
 ) -> None:
     """Fifteen rounds of opening, shearing and closing."""
-    shown = hold(tmp_path / "log", 90, cure, every)
+    shown = hold(tmp_path / "log", 90, remesh, every)
     record(**shown)
     assert_held(shown)

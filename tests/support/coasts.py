@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from floeflow.coupling.initial import make_state
 from floeflow.dynamics.motion import Motion, move
-from floeflow.dynamics.remesh.remesh import cure
+from floeflow.dynamics.remesh.remesh import remesh
 from floeflow.packings.bonds import make_bonds
 from floeflow.packings.fresh_cells import make_cells
 from floeflow.packings.packing import make_packing
@@ -82,7 +82,7 @@ def on_land(state: xr.Dataset, land: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Window:
-    """A window's motion, its cured state and the terms of the cure."""
+    """A window's motion, its remeshed state and the terms of remeshing."""
 
     motion: Motion
     state: xr.Dataset
@@ -104,7 +104,7 @@ def windows(
     forced: Callable[[float, float], xr.Dataset],
     count: int,
 ) -> Iterator[Window]:
-    """Windows of motion and cure, each checked against the schema.
+    """Windows of motion and remeshing, each checked against the schema.
 
     ``forced`` gives the forcing of a window by its begin and length (s).
     """
@@ -118,6 +118,6 @@ def windows(
         motion = move(MPI.COMM_SELF, scene, state, forced(begin, length), log, lambda **_: None)
         state = motion.state
         state.attrs |= {"time": begin + length, "window": k + 1}
-        state, terms = cure(scene, state, cells)
+        state, terms = remesh(scene, state, cells)
         check_state(state)
         yield Window(motion, state, terms)

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.dynamics.engine.params import Force
 from floeflow.state import walls
 from floeflow.state.bonds import Arrays
+from support.full_ice import full_params
 from support.rafts import bonded, lattice, uniform
 from support.ranks import read_tables, write_part
 
@@ -45,7 +46,7 @@ def main(out: Path, steps: int, kind: str, start: Path | None) -> None:
         switches = {}
     # Elements of more than 1.25 m are held by a sea of 10 m.
     seabed = (Force("seabed", (), ("sea_floor_depth",)),) if kind == "grounded" else ()
-    params = EngineParams(time_step=0.2, ridging=walled, forces=seabed, **switches)
+    params = full_params(time_step=0.2, ridging=walled, forces=seabed, **switches)
     # One wall stands, one comes from the right, and a bent one dents the upper side.
     dent = np.array([[[1.5e4, 4e4], [2e4, 2.525e4]], [[2e4, 2.525e4], [2.5e4, 4e4]]])
     faces = walls.join(

@@ -21,12 +21,12 @@ EFFECTS = "friction, bonds, ridging, thermodynamics, snow"
 
 
 def coast_case(
-    cure: str = "remap", elements: int = 120, coast_bonds: bool = False, more: str = ""
+    remesh: str = "remap", elements: int = 120, coast_bonds: bool = False, more: str = ""
 ) -> tuple[xr.Dataset, Cells]:
     """State at the start with random velocities, and the fresh cells of its sea."""
     mask = coastline()
     packed = packing.make_packing(mask, Packing(elements=elements), 7)
-    scene = parse_scene(f"name: a\neffects: [{EFFECTS}, {cure}]\n{more}".encode(), "a")
+    scene = parse_scene(f"name: a\neffects: [{EFFECTS}, {remesh}]\n{more}".encode(), "a")
     state = initial.make_state(scene, packed, bonds.make_bonds(packed, 0.2, 0.0, coast_bonds))
     random = np.random.default_rng(3)
     mobile = state["type"].values == MOBILE

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.state.bonds import Arrays
+from support.full_ice import full_params
 from support.rafts import bonded, lattice
 from support.ranks import read_tables, write_part
 
@@ -33,7 +34,7 @@ def main(out: Path, start: Path | None) -> None:
     state: list[Arrays | None] = [*crushed(), None]
     if start is not None:
         state = read_tables(start)
-    params = EngineParams(time_step=0.2, bonds=True, ridging=True, compressive_strength=1e5)
+    params = full_params(time_step=0.2, bonds=True, ridging=True, compressive_strength=1e5)
     comm = MPI.COMM_WORLD
     with Engine(comm, params, out / f"log.{comm.size}") as engine:
         for part in ("first", "second"):

@@ -80,7 +80,7 @@ def test_a_scene_s_faults_stop_the_run_before_any_job(place: Place, said: Callab
     assert "none.yaml: the scene cannot be read" in said(missing)
     path = place.folder / "up.yaml"
     path.write_text("name: ../../up\n")
-    assert "is no plain name" in said(path)
+    assert "is not a plain name" in said(path)
 
 
 def test_missing_and_broken_inputs_are_named_before_any_job(

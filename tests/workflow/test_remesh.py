@@ -19,19 +19,19 @@ KEYS = {"remap": {"every": 1}, "merge": {"radius": 0.9}}
 
 
 @pytest.fixture(scope="module", params=["remap", pytest.param("merge", marks=pytest.mark.slow)])
-def cured(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Place:
+def remeshed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Place:
     """Two windows of the smoke scene."""
-    cure = request.param
-    place = make_place(tmp_path_factory.mktemp(cure) / "place")
-    changes = {"effects": [*EFFECTS, cure], "time": {"windows": 2}, cure: KEYS[cure]}
+    remesh = request.param
+    place = make_place(tmp_path_factory.mktemp(remesh) / "place")
+    changes = {"effects": [*EFFECTS, remesh], "time": {"windows": 2}, remesh: KEYS[remesh]}
     changes |= {"state": {"keep": "all"}, "mask": {"land": "mask"}, "packing": {"elements": 100}}
     done = place.run(place.scene(**changes), "all", "trajectory", "mesh", ranks=1)
     assert done.returncode == 0, done.stdout
     return place
 
 
-def test_elements_change_and_budgets_close(cured: Place) -> None:
-    results: Path = cured.results()
+def test_elements_change_and_budgets_close(remeshed: Place) -> None:
+    results: Path = remeshed.results()
     states = [read_state(results / f"state/{window:04d}.nc") for window in range(3)]
     same = [np.array_equal(a["id"], b["id"]) for a, b in zip(states, states[1:], strict=False)]
     series = read_dataset(results / "series/0002.nc").drop_dims("sample")
@@ -51,8 +51,8 @@ def test_elements_change_and_budgets_close(cured: Place) -> None:
     assert not open_ones
 
 
-def test_report_trajectory_and_meshes_are_there(cured: Place) -> None:
-    results: Path = cured.results()
+def test_report_trajectory_and_meshes_are_there(remeshed: Place) -> None:
+    results: Path = remeshed.results()
     assert "elements_displacement" in (results / "report.html").read_text()
     assert read_dataset(results / "trajectory/drift.nc")["drift_distance"].values[-1].max() > 0
     counts = set()

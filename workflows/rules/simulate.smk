@@ -29,7 +29,7 @@ rule windows:
         mem_mb_per_cpu=memory_of_a_rank,
         runtime=minutes_asked("windows"),
     params:
-        scene_keys=keys_of("dynamics", "column", "cure", "forcing", "keep"),
+        scene_keys=keys_of("dynamics", "column", "remesh", "forcing", "keep"),
         library=library_digest("windows"),
         made_with=made_with,
         windows=chunk_windows,

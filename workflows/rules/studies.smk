@@ -28,7 +28,7 @@ rule variant:
         mem_mb=memory_asked("variant"),
         runtime=minutes_asked("variant"),
     params:
-        scene_keys=keys_of("dynamics", "column", "cure", "forcing", "initial", "grid"),
+        scene_keys=keys_of("dynamics", "column", "remesh", "forcing", "initial", "grid"),
         library=library_digest("windows"),
         made_with=made_with,
         windows=all_windows,

@@ -72,7 +72,21 @@ class Estimate:
 
 
 def advise(name: str, found: Influence) -> tuple[str, str]:
-    """Advice on an effect, and the reason in one sentence."""
+    """Advice on an effect, and the reason in one sentence.
+
+    Parameters
+    ----------
+    name : str
+        Effect.
+    found : Influence
+        What it changes.
+
+    Returns
+    -------
+    tuple of str
+        ``output``, ``setting``, ``needed``, ``minor`` or ``waste``, and a sentence with its share
+        in %.
+    """
     if name in OUTPUT:
         return "output", "It changes no result."
     if name in SETTING:
@@ -130,7 +144,25 @@ def estimate(
 
 
 def recommended(rows: Iterable[Estimate], defaults: Iterable[str]) -> tuple[str, ...]:
-    """Effects that are needed, what they need, and output and setting as the defaults have them."""
+    """Effects that are needed, what they need, and output and setting as the defaults have them.
+
+    Parameters
+    ----------
+    rows : iterable of Estimate
+        Estimates of all effects.
+    defaults : iterable of str
+        Effects of a scene that names none.
+
+    Returns
+    -------
+    tuple of str
+        In the registry's order.
+
+    Raises
+    ------
+    FloeError
+        For effects that do not go together.
+    """
     rows = list(rows)
     wanted = {row.name for row in rows if row.advice == "needed"}
     wanted |= set(OUTPUT + SETTING) & set(defaults)

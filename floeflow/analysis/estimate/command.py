@@ -12,7 +12,25 @@ from floeflow.analysis.resolve import resolve_scene
 
 
 def tell(path: Path, as_json: bool = False) -> str:
-    """The estimates of a scene file as text or JSON."""
+    """The estimates of a scene file as text or JSON.
+
+    Parameters
+    ----------
+    path : Path
+        Scene file.
+    as_json : bool, optional
+        JSON instead of a table.
+
+    Returns
+    -------
+    str
+        Text to be printed.
+
+    Raises
+    ------
+    FloeError
+        For a scene or input that is refused.
+    """
     scene = resolve_scene(path)
     c = conditions(scene)
     rows = choose.scene_estimates(scene)

@@ -33,7 +33,7 @@ BOND_MARGIN = 0.05
 COAST_SIZE = 1.0e5
 # Layers of ice for which the schemes' coefficients stand.
 LAYERS = 7
-# Effects that have work of their own between windows: the sea, and what cures distortion.
+# Effects that have work of their own between windows: the sea, remapping and merging.
 IN_WINDOWS = ("mixed_layer", "remap", "merge", "ridging")
 
 
@@ -104,7 +104,20 @@ def coefficients() -> dict[str, float]:
 
 
 def bonded(c: Pack, effects: Iterable[str]) -> bool:
-    """Whether most of the ice is dense enough for the scene's bonds."""
+    """Whether most of the ice is dense enough for the scene's bonds.
+
+    Parameters
+    ----------
+    c : Pack
+        Conditions of the scene.
+    effects : iterable of str
+        Those that are simulated.
+
+    Returns
+    -------
+    bool
+        Whether bonds are made there.
+    """
     return "bonds" in effects and c.concentration >= c.bond_concentration - BOND_MARGIN
 
 
@@ -113,6 +126,22 @@ def critical_step(c: Pack, scene: Scene, effects: Iterable[str], fit: Coefficien
 
     Each alone allows a step of size over speed of sound, times a fitted factor that holds what the
     smallest elements take from it; squares of the rates add. Independent of thickness.
+
+    Parameters
+    ----------
+    c : Pack
+        Conditions of the scene.
+    scene : Scene
+        Its keys.
+    effects : iterable of str
+        Those that are simulated.
+    fit : Coefficients
+        Coefficients of the cost model.
+
+    Returns
+    -------
+    float
+        s.
     """
     rates = {"step_contacts": scene.dynamics.contact_modulus}
     if "friction" in effects:
@@ -132,7 +161,24 @@ def coast_measure(c: Pack) -> float:
 
 
 def sizes(c: Pack, scene: Scene, effects: Iterable[str], fit: Coefficients) -> Sizes:
-    """Sizes of a run of the scene with these effects."""
+    """Sizes of a run of the scene with these effects.
+
+    Parameters
+    ----------
+    c : Pack
+        Conditions of the scene.
+    scene : Scene
+        Its keys.
+    effects : iterable of str
+        Those that are simulated.
+    fit : Coefficients
+        Coefficients of the cost model.
+
+    Returns
+    -------
+    Sizes
+        Counts of elements, steps, cells and windows.
+    """
     effects = tuple(effects)
     domain = scene.domain
     cells = (domain.x_max - domain.x_min) * (domain.y_max - domain.y_min) / domain.spacing**2
@@ -160,6 +206,18 @@ def column_parts(scene: Scene, effects: Iterable[str]) -> dict[str, float]:
 
     The scheme works category by category and, where it has layers, in proportion to these and the
     snow's; light that is scattered in layers, and the effects, category by category.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    effects : iterable of str
+        Those that are simulated.
+
+    Returns
+    -------
+    dict of float
+        Counts by the names of the coefficients.
     """
     keys, effects = scene.column, tuple(effects)
     many, layered = float(keys.categories), keys.scheme != "zero_layer"
@@ -222,7 +280,25 @@ def run_seconds(
 ) -> float:
     """Wall seconds of a run on so many ranks, other stages one after the other.
 
-    Element model and column are shared by the ranks; each step pays for their messages.
+    Element model and column are shared by the ranks; each step takes time for their messages.
+
+    Parameters
+    ----------
+    c : Pack
+        Conditions of the scene.
+    scene : Scene
+        Its keys.
+    effects : iterable of str
+        Those that are simulated.
+    ranks : int
+        Number of MPI ranks.
+    fit : Coefficients
+        Coefficients of the cost model.
+
+    Returns
+    -------
+    float
+        s.
     """
     effects = tuple(effects)
     s = sizes(c, scene, effects, fit)
@@ -244,6 +320,26 @@ def cost_share(
     """Share of the run time with an effect that goes when it is left out.
 
     `parts` restricts it to some stages, such as ``WORK``; empty: the whole run.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    scene : Scene
+        Its keys.
+    name : str
+        Effect that is left out, and those that need it.
+    effects : iterable of str
+        Those that are simulated.
+    fit : Coefficients
+        Coefficients of the cost model.
+    parts : tuple of str, optional
+        Stages that count.
+
+    Returns
+    -------
+    float
+        0 to 1, of the stages that count.
     """
     from floeflow.analysis.estimate.influence import without
 
@@ -259,7 +355,28 @@ def saved_share(
     fit: Coefficients,
     parts: tuple[str, ...] = (),
 ) -> float:
-    """Share of the run time of a scene with these effects that fewer of them save."""
+    """Share of the run time of a scene with these effects that fewer of them save.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    scene : Scene
+        Its keys.
+    effects : iterable of str
+        Those that are simulated.
+    fewer : iterable of str
+        Those that are left.
+    fit : Coefficients
+        Coefficients of the cost model.
+    parts : tuple of str, optional
+        Stages that count; empty: the whole run.
+
+    Returns
+    -------
+    float
+        0 to 1, of the stages that count.
+    """
     full, less = (
         sum(
             value

@@ -66,7 +66,20 @@ def expected(scene: Scene, ranks: int) -> Expected:
 
 
 def disk_size(scene: Scene, s: Sizes) -> float:
-    """Bytes of the results of a run."""
+    """Bytes of the results of a run.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    s : Sizes
+        Sizes of the run.
+
+    Returns
+    -------
+    float
+        bytes.
+    """
     column = scene.column
     many = column.categories if "thermodynamics" in scene.effects else 1
     # Mushy ice keeps the salinity of its layers too.
@@ -84,7 +97,20 @@ def disk_size(scene: Scene, s: Sizes) -> float:
 
 
 def expectation(found: Expected, ranks: int) -> str:
-    """The expectation in a sentence."""
+    """The expectation in a sentence.
+
+    Parameters
+    ----------
+    found : Expected
+        What is expected.
+    ranks : int
+        Number of MPI ranks.
+
+    Returns
+    -------
+    str
+        One sentence, with units.
+    """
     on = f"{ranks} rank{'s' if ranks > 1 else ''}"
     windows = f"{found.windows} window{'s' if found.windows > 1 else ''}"
     return (
@@ -95,7 +121,22 @@ def expectation(found: Expected, ranks: int) -> str:
 
 
 def outcome(found: Expected, seconds: float, size: float) -> str:
-    """How well it was met, in a sentence."""
+    """How well it was met, in a sentence.
+
+    Parameters
+    ----------
+    found : Expected
+        What was expected.
+    seconds : float
+        Wall time (s).
+    size : float
+        Results on disk (bytes).
+
+    Returns
+    -------
+    str
+        One sentence, with units.
+    """
     return (
         f"Took {as_time(seconds)} (expected: {as_time(found.seconds)}) and {as_size(size)} on disk "
         f"(expected: {as_size(found.size)})"

@@ -28,6 +28,8 @@ from floeflow.core.constants import (
     LATENT_VAPOUR,
     SNOW_DENSITY,
     STEFAN_BOLTZMANN,
+    VAPOUR_ICE,
+    VAPOUR_ICE_EXPONENT,
     ZERO_CELSIUS,
 )
 from floeflow.scene.physics import ColumnPhysics
@@ -61,12 +63,27 @@ class Ice:
 
 
 def surface_flux(c: Conditions, temperature: float, albedo: float) -> float:
-    """Heat into a surface of this temperature (K), W/m2: radiation and bulk turbulent fluxes."""
+    """Heat into a surface of this temperature (K), W/m2: radiation and bulk turbulent fluxes.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    temperature : float
+        Of the surface (K).
+    albedo : float
+        Of the surface.
+
+    Returns
+    -------
+    float
+        W/m2, positive downward.
+    """
     sun = (1.0 - albedo) * c.shortwave_down
     glow = EMISSIVITY * (c.longwave_down - STEFAN_BOLTZMANN * temperature**4)
     stir = AIR_DENSITY * TRANSFER * c.wind
     sensible = HEAT_AIR * stir * (c.air_temperature - temperature)
-    vapour = 11637800.0 * math.exp(-5897.8 / temperature) / AIR_DENSITY
+    vapour = VAPOUR_ICE * math.exp(-VAPOUR_ICE_EXPONENT / temperature) / AIR_DENSITY
     return sun + glow + sensible + LATENT_SUBLIMATION * stir * (c.specific_humidity - vapour)
 
 

@@ -55,6 +55,20 @@ def mechanical_drift(c: Conditions, name: str, effects: frozenset[str]) -> float
 
     Bonds even out the drift as far as they hold, friction what has no bonds; the coast stops what
     lies at it; ridging lets the pack close, where elastic contacts would hold it apart.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    name : str
+        Effect that is left out.
+    effects : frozenset of str
+        Those that are simulated.
+
+    Returns
+    -------
+    float
+        m, over the run.
     """
     torn, free = c.spread * c.seconds, c.slip * c.seconds
     held = min(1.0, NUMBERS["bonds"](c))
@@ -130,7 +144,20 @@ def _rms(values: Sequence[float]) -> float:
 
 
 def without(effects: Iterable[str], name: str) -> frozenset[str]:
-    """These effects without one, and without those that need it."""
+    """These effects without one, and without those that need it.
+
+    Parameters
+    ----------
+    effects : iterable of str
+        Names.
+    name : str
+        Effect that is left out.
+
+    Returns
+    -------
+    frozenset of str
+        The rest.
+    """
     left = frozenset(effects) - {name}
     while lost := {e for e in left if e in EFFECTS and not set(EFFECTS[e].needs) <= left}:
         left -= lost

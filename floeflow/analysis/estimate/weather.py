@@ -79,7 +79,25 @@ def _rms(pairs: list[tuple[np.ndarray, np.ndarray]], weight: np.ndarray) -> floa
 
 
 def weather(scene: Scene, weight: np.ndarray) -> dict[str, float]:
-    """Means of the weather over ice and duration; as `wind_and_current` takes them."""
+    """Means of the weather over ice and duration; as `wind_and_current` takes them.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    weight : ndarray
+        Of each grid cell, sum 1, (ny, nx).
+
+    Returns
+    -------
+    dict of float
+        By the names of the forcing, SI units.
+
+    Raises
+    ------
+    FloeError
+        For forcing that cannot be read.
+    """
     if scene.forcing.source == "analytic":
         from floeflow.forcings.analytic import humidity
 

@@ -138,7 +138,20 @@ def compare(folder: Path, observed: Observed, others: Sequence[Path] = ()) -> st
 
 
 def buoy_places(run: FinishedRun, points: Points) -> dict[str, NDArray[np.complex128]]:
-    """Places of each buoy at the run's boundaries (m, complex), by its name."""
+    """Places of each buoy at the run's boundaries (m, complex), by its name.
+
+    Parameters
+    ----------
+    run : FinishedRun
+        That is compared.
+    points : Points
+        Fixes of the buoys.
+
+    Returns
+    -------
+    dict of ndarray
+        (boundaries,) each; NaN where a buoy is not known.
+    """
     scene = run.scene
     times = scene.time.window * np.arange(scene.time.windows + 1, dtype=np.float64)
     x, y = from_lonlat(scene_crs(scene.domain), points.lon, points.lat)
@@ -152,7 +165,24 @@ def buoy_places(run: FinishedRun, points: Points) -> dict[str, NDArray[np.comple
 
 
 def add_buoys(run: FinishedRun, paths: Sequence[Path], into: Path, found: Findings) -> None:
-    """Errors of drift at buoys."""
+    """Errors of drift at buoys.
+
+    Parameters
+    ----------
+    run : FinishedRun
+        That is compared.
+    paths : sequence of Path
+        Files of fixes.
+    into : Path
+        Folder for figures and tables.
+    found : Findings
+        What the page will say; added to.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read, or has no fixes within the run.
+    """
     places: dict[str, NDArray[np.complex128]] = {}
     for path in paths:
         new = buoy_places(run, read_points(path, run.scene.time.start))
@@ -233,7 +263,24 @@ def _drift_table(errors: LeadErrors, window: float) -> Table:
 
 
 def add_concentration(run: FinishedRun, observed: Observed, into: Path, found: Findings) -> None:
-    """Errors of the ice edge."""
+    """Errors of the ice edge.
+
+    Parameters
+    ----------
+    run : FinishedRun
+        That is compared.
+    observed : Observed
+        Concentration on a grid.
+    into : Path
+        Folder for figures and tables.
+    found : Findings
+        What the page will say; added to.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read, or shares no time with the run.
+    """
     assert observed.concentration is not None
     seen = observed_shares(run.scene, observed.concentration, observed.variable, observed.crs)
     area = cell_area(run.grid, run.folder / "grid.nc")
@@ -268,7 +315,24 @@ def _edge_rows(errors: EdgeErrors) -> Rows:
 
 
 def add_thickness(run: FinishedRun, paths: Sequence[Path], into: Path, found: Findings) -> None:
-    """Thickness at places."""
+    """Thickness at places.
+
+    Parameters
+    ----------
+    run : FinishedRun
+        That is compared.
+    paths : sequence of Path
+        Files of thickness (m) at places and times.
+    into : Path
+        Folder for figures and tables.
+    found : Findings
+        What the page will say; added to.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read, or shares no place and time with the run.
+    """
     parts = [
         thickness_pairs(run.scene, run.grid, read_points(path, run.scene.time.start, True))
         for path in paths

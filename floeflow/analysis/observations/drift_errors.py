@@ -91,7 +91,20 @@ class Carrier:
 
 
 def carrier(one: Frame, two: Frame) -> Carrier:
-    """Displacements between the two boundaries of a window."""
+    """Displacements between the two boundaries of a window.
+
+    Parameters
+    ----------
+    one : Frame
+        Elements at the start and at the end of the window.
+    two : Frame
+        Elements at the start and at the end of the window.
+
+    Returns
+    -------
+    Carrier
+        Displacement of the nearest element (m), within reach.
+    """
     step = step_between(one, two)
     places = np.stack([one.x[step.before], one.y[step.before]], axis=1)
     reach = REACH * one.spacing if one.id.size else 0.0
@@ -99,7 +112,20 @@ def carrier(one: Frame, two: Frame) -> Carrier:
 
 
 def velocity_carrier(one: Frame, two: Frame) -> Carrier:
-    """As `carrier` where nothing can be followed: by the mean velocity of start and end."""
+    """As `carrier` where nothing can be followed: by the mean velocity of start and end.
+
+    Parameters
+    ----------
+    one : Frame
+        Elements at the start and at the end of the window.
+    two : Frame
+        Elements at the start and at the end of the window.
+
+    Returns
+    -------
+    Carrier
+        Displacement of the nearest element (m), within reach.
+    """
     places = np.stack([one.x, one.y], axis=1)
     near = cKDTree(np.stack([two.x, two.y], axis=1)).query(places)[1]
     moved = 0.5 * (two.time - one.time) * (one.velocity + two.velocity[near])
@@ -226,7 +252,20 @@ class Drifts:
 
 
 def window_drifts(buoys: Sequence[Complex], carriers: Sequence[Carrier | None]) -> Drifts:
-    """Displacements of all windows in which both are known."""
+    """Displacements of all windows in which both are known.
+
+    Parameters
+    ----------
+    buoys : sequence of Complex
+        Places at the boundaries (m), x + i y, (boundaries,) each.
+    carriers : sequence of Carrier or None
+        Of each window; None where there is no ice.
+
+    Returns
+    -------
+    Drifts
+        Displacements of buoys and of the ice (m).
+    """
     pairs: list[tuple[Complex, Complex]] = []
     for window, ice in enumerate(carriers):
         if ice is None:

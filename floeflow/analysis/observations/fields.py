@@ -190,6 +190,15 @@ class ThicknessPairs:
 def thickness_pairs(scene: Scene, grid: xr.Dataset, points: Points) -> ThicknessPairs:
     """Thickness of the run's ice in the cell and at the boundary nearest to each observation.
 
+    Parameters
+    ----------
+    scene : Scene
+        Its grid and window.
+    grid : xarray.Dataset
+        Fields of the run on (time, y, x), thickness in m.
+    points : Points
+        Observed thickness (m) at longitude, latitude and time.
+
     Raises
     ------
     FloeError

@@ -13,7 +13,7 @@ from floeflow.analysis.observations.drift_errors import METHODS, Drifts, LeadErr
 from floeflow.analysis.observations.fields import EdgeErrors, ThicknessPairs
 from floeflow.analysis.observations.run_files import FinishedRun
 from floeflow.analysis.observations.side_by_side import labels
-from floeflow.report.figures.analyses import tidy
+from floeflow.report.figures.analyses import style_axes
 from floeflow.report.figures.series import (
     AREA_UNITS,
     VOLUME_UNITS,
@@ -40,7 +40,20 @@ RUNS_CAPTION = "Ice area, ice volume and mean net drift of the runs."
 
 
 def buoys_figure(errors: LeadErrors, window: float) -> Figure:
-    """Errors against lead time."""
+    """Errors against lead time.
+
+    Parameters
+    ----------
+    errors : LeadErrors
+        Root mean square by lead time (m).
+    window : float
+        Length of a window (s).
+
+    Returns
+    -------
+    Figure
+        Axes in km, and hours or days.
+    """
     unit, word = time_axis(float(errors.lead[-1]) * window)
     lead = errors.lead * window / unit
     with look():
@@ -50,7 +63,7 @@ def buoys_figure(errors: LeadErrors, window: float) -> Figure:
         for method, values, (colour, mark) in zip(METHODS, errors.rms, styles, strict=True):
             name = method.replace("_", " ")
             axes.plot(lead, values / 1e3, mark, color=colour, label=name, markersize=4)
-        tidy(axes, f"Lead time ({word})", "Distance to the buoy (km)")
+        style_axes(axes, f"Lead time ({word})", "Distance to the buoy (km)")
         axes.set_ylim(0)
         axes.legend(fontsize=8.5)
     return figure
@@ -68,14 +81,27 @@ def displacements_figure(drifts: Drifts) -> Figure:
         both = np.concatenate([drifts.observed, drifts.run])
         most = 1.05 * float(np.abs(both).max(initial=0.0)) / 1e3 or 1.0
         axes.plot([-most, most], [-most, most], "-", color=FAINT, linewidth=0.8)
-        tidy(axes, "Displacement of the buoy (km)", "Displacement of the run (km)")
+        style_axes(axes, "Displacement of the buoy (km)", "Displacement of the run (km)")
         axes.set_aspect("equal")
         axes.legend(fontsize=8.5)
     return figure
 
 
 def edge_figure(errors: EdgeErrors, start: datetime) -> Figure:
-    """Integrated ice-edge error with time."""
+    """Integrated ice-edge error with time.
+
+    Parameters
+    ----------
+    errors : EdgeErrors
+        Areas (m2) with time.
+    start : datetime
+        Of the scene.
+
+    Returns
+    -------
+    Figure
+        One curve each.
+    """
     unit, word = time_axis(float(np.abs(errors.seconds).max()))
     at = errors.seconds / unit
     scale, name = pick_unit(AREA_UNITS, errors.integrated, errors.persistence)
@@ -90,7 +116,7 @@ def edge_figure(errors: EdgeErrors, start: datetime) -> Figure:
             (errors.persistence, "first observation kept", FAINT, ":"),
         ):
             axes.plot(at, values / scale, dash + mark, color=colour, label=label, markersize=4)
-        tidy(axes, f"Time since {start:%Y-%m-%d %H:%M} ({word})", f"Ice-edge error ({name})")
+        style_axes(axes, f"Time since {start:%Y-%m-%d %H:%M} ({word})", f"Ice-edge error ({name})")
         axes.set_ylim(0)
         axes.legend(fontsize=8.5)
     return figure
@@ -104,7 +130,7 @@ def thickness_figure(pairs: ThicknessPairs) -> Figure:
         axes = figure.add_subplot()
         axes.plot(pairs.observed, pairs.run, ".", color=BLUE, alpha=0.6, markersize=4)
         axes.plot([0.0, most], [0.0, most], "-", color=FAINT, linewidth=0.8)
-        tidy(axes, "Observed thickness (m)", "Thickness of the run (m)")
+        style_axes(axes, "Observed thickness (m)", "Thickness of the run (m)")
         axes.set_xlim(0.0, most)
         axes.set_ylim(0.0, most)
         axes.set_aspect("equal")
@@ -129,6 +155,8 @@ def runs_figure(runs: Sequence[FinishedRun]) -> Figure:
                 at = each["boundary_time"].values / unit
                 axes.plot(at, each[name].values / scale, dash, color=colour, label=label)
             last = axes is panels[-1]
-            tidy(axes, f"Time since each run's start ({word})" if last else "", f"{text} ({said})")
+            style_axes(
+                axes, f"Time since each run's start ({word})" if last else "", f"{text} ({said})"
+            )
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure

@@ -41,7 +41,20 @@ class FreeIce:
             return window_forcing(self.scene, window, Path(scratch))
 
     def displacement(self, window: int, places: Complex) -> Complex:
-        """Displacement in a window at places (m, complex), NaN where they are."""
+        """Displacement in a window at places (m, complex), NaN where they are.
+
+        Parameters
+        ----------
+        window : int
+            Number of the window.
+        places : Complex
+            x + i y (m), (n,).
+
+        Returns
+        -------
+        Complex
+            (n,).
+        """
         out = np.full(places.shape, complex(np.nan, np.nan))
         known = np.isfinite(places)
         if not known.any():

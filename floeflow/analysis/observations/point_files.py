@@ -120,7 +120,8 @@ def read_points(path: Path, start: datetime, thickness: bool = False) -> Points:
     depth = data[:, 3] if thickness else None
     if depth is not None and (depth.min() < 0.0 or depth.max() > 50.0):
         raise FloeError(
-            f"{path}: thickness reaches from {depth.min():g} to {depth.max():g}, outside 0 to 50 m"
+            f"{path}: thickness reaches from {depth.min():g} to {depth.max():g} m, outside 0 to "
+            "50 m"
         )
     return Points(path, names_of, data[:, 0], data[:, 1], data[:, 2], depth)
 
@@ -147,9 +148,9 @@ def _number(text: str, what: str, where: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise FloeError(f"{where}: {what} '{text}' is no number") from None
+        raise FloeError(f"{where}: {what} '{text}' is not a number") from None
     if not np.isfinite(value):
-        raise FloeError(f"{where}: {what} '{text}' is no number")
+        raise FloeError(f"{where}: {what} '{text}' is not a number")
     return value
 
 
@@ -160,12 +161,12 @@ def _seconds(row: dict[str, str], start: datetime, where: str) -> float:
             moment = datetime.fromisoformat(row["time"].replace("/", "-").replace("Z", "+00:00"))
         except ValueError:
             raise FloeError(
-                f"{where}: time '{row['time']}' is no date like 2020-01-31 06:00:00"
+                f"{where}: time '{row['time']}' is not a date like 2020-01-31 06:00:00"
             ) from None
     else:
         year, day = (_number(row[key], key, where) for key in ("year", "day"))
         if not (1900 <= year <= 2200 and 1.0 <= day < 368.0):
-            raise FloeError(f"{where}: year {year:g} and day {day:g} are no date")
+            raise FloeError(f"{where}: year {year:g} and day {day:g} are not a date")
         moment = datetime(int(year), 1, 1) + timedelta(days=day - 1.0)
     if moment.tzinfo is not None:
         moment = moment.astimezone(UTC).replace(tzinfo=None)

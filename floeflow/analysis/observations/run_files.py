@@ -60,7 +60,20 @@ class FinishedRun:
         return read_dataset(self.folder / "diagnostics.nc")
 
     def frames(self, first: int, last: int) -> Iterator[Frame]:
-        """Elements at the boundaries from one to another, one after the other."""
+        """Elements at the boundaries from one to another, one after the other.
+
+        Parameters
+        ----------
+        first : int
+            Numbers of the boundaries.
+        last : int
+            Numbers of the boundaries.
+
+        Returns
+        -------
+        iterator of Frame
+            In the order of time.
+        """
         if first == 0:
             yield frame_of(read_state(self.folder / f"state/{window_name(0)}.nc"))
         time = self.scene.time
@@ -73,7 +86,20 @@ class FinishedRun:
                     yield frame_of(snapshot)
 
     def carriers(self, first: int, last: int) -> list[Carrier | None]:
-        """Displacements of the ice in all windows; None before one boundary and after another."""
+        """Displacements of the ice in all windows; None before one boundary and after another.
+
+        Parameters
+        ----------
+        first : int
+            Numbers of the boundaries.
+        last : int
+            Numbers of the boundaries.
+
+        Returns
+        -------
+        list of Carrier or None
+            (windows,).
+        """
         remapped = remapped_windows(self.diagnostics)
         found: list[Carrier | None] = [None] * self.scene.time.windows
         before: Frame | None = None

@@ -120,7 +120,20 @@ def base_scene(folder: Path) -> Path:
 
 
 def fit_costs(runs: Sequence[Run], old: Mapping[str, float]) -> dict[str, float]:
-    """Coefficients of `floeflow.analysis.estimate.cost`; those no run tells stay."""
+    """Coefficients of `floeflow.analysis.estimate.cost`; those no run tells stay.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+        Measured runs.
+    old : mapping of float
+        Coefficients so far.
+
+    Returns
+    -------
+    dict of float
+        By name.
+    """
     return {
         **old,
         **_fit_dynamics(runs),

@@ -34,7 +34,20 @@ class Study:
     runs: xr.Dataset
 
     def series(self, knob: str, norm: str) -> tuple[np.ndarray, np.ndarray]:
-        """Levels and errors of a knob in a norm, without round-off."""
+        """Levels and errors of a knob in a norm, without round-off.
+
+        Parameters
+        ----------
+        knob : str
+            Numerical setting.
+        norm : str
+            Of the error.
+
+        Returns
+        -------
+        tuple of ndarray
+            Level relative to the scene's own, and relative error, (k,) each.
+        """
         rows = (self.runs["knob"].values == knob) & (self.runs["stable"].values == 1)
         level = self.runs["level"].values[rows]
         error = self.runs["error"].sel(norm=norm).values[rows]

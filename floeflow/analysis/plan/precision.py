@@ -59,6 +59,18 @@ def resolutions(scene: Scene, c: Conditions) -> dict[str, float]:
     width. element_size: over the width of the ice. window: over the run. forcing_grid: change of
     the wind over a cell, relative to it. column_step: over the run. category_width: over the range
     of thicknesses. layer_thickness: over the ice.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    c : Conditions
+        Conditions of the scene.
+
+    Returns
+    -------
+    dict of float
+        1, by setting.
     """
     thickness = max(c.thickness, 1e-3)
     found = {
@@ -82,7 +94,22 @@ def choices(scene: Scene) -> dict[str, str]:
 
 
 def knob_errors(scene: Scene, c: Conditions, model: ErrorModel) -> dict[str, dict[str, float]]:
-    """Predicted relative error of each knob in each norm."""
+    """Predicted relative error of each knob in each norm.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    c : Conditions
+        Conditions of the scene.
+    model : ErrorModel
+        Measured laws of the errors.
+
+    Returns
+    -------
+    dict of dict of float
+        1, by setting and norm.
+    """
     found = {}
     for knob, x in resolutions(scene, c).items():
         laws = model.laws.get(knob, {})
@@ -98,6 +125,20 @@ def total_error(
     """Largest over the norms of the root of the sum of squares over the knobs.
 
     `but` names knobs that are left out.
+
+    Parameters
+    ----------
+    errors : mapping of mapping of float
+        Relative error by setting and norm.
+    norms : iterable of str, optional
+        Those that count.
+    but : iterable of str, optional
+        Settings that are left out.
+
+    Returns
+    -------
+    float
+        1; 0 without errors.
     """
     kept = [found for knob, found in errors.items() if knob not in tuple(but)]
     return max(

@@ -58,7 +58,20 @@ def parse_budget(text: str) -> float:
 
 
 def adjusted(c: Conditions, scene: Scene) -> Conditions:
-    """Conditions of the scene for another number of elements."""
+    """Conditions of the scene for another number of elements.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    scene : Scene
+        Its keys.
+
+    Returns
+    -------
+    Conditions
+        Of the scene's number of elements.
+    """
     if not c.elements:
         return c
     size = c.element_size * math.sqrt(c.elements / scene.packing.elements)
@@ -68,7 +81,26 @@ def adjusted(c: Conditions, scene: Scene) -> Conditions:
 def judge(
     scene: Scene, c: Conditions, ranks: int, fit: Coefficients, model: ErrorModel
 ) -> tuple[float, dict[str, dict[str, float]]]:
-    """Predicted wall time of a scene, and errors by knob and norm."""
+    """Predicted wall time of a scene, and errors by knob and norm.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    c : Conditions
+        Conditions of the scene.
+    ranks : int
+        Number of MPI ranks.
+    fit : Coefficients
+        Coefficients of the cost model.
+    model : ErrorModel
+        Measured laws of the errors.
+
+    Returns
+    -------
+    tuple of float and dict of dict of float
+        s; relative errors.
+    """
     own = adjusted(c, scene)
     return run_seconds(own, scene, scene.effects, ranks, fit), knob_errors(scene, own, model)
 
@@ -80,6 +112,24 @@ def proposals(
 
     Each knob's share of work and error is taken from the models with this knob alone changed:
     errors add as squares, the time is asked of the cost model for each combination.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    c : Conditions
+        Conditions of the scene.
+    ranks : int
+        Number of MPI ranks.
+    fit : Coefficients
+        Coefficients of the cost model.
+    model : ErrorModel
+        Measured laws of the errors.
+
+    Returns
+    -------
+    list of Proposal
+        With predicted time (s) and error (1).
     """
     turned = [knob for knob in knobs(scene) if model.knows(knob.name)]
     choices = [_levels(knob) for knob in turned]
@@ -114,12 +164,38 @@ def _fast(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 
 
 def for_error(found: Sequence[Proposal], error: float) -> Proposal | None:
-    """Fastest proposal of at most this error."""
+    """Fastest proposal of at most this error.
+
+    Parameters
+    ----------
+    found : sequence of Proposal
+        Proposals.
+    error : float
+        Relative error, 0.05 for 5 %.
+
+    Returns
+    -------
+    Proposal or None
+        None where there is none.
+    """
     good = [p for p in found if p.error <= error]
     return min(good, key=lambda p: (p.seconds, p.error)) if good else None
 
 
 def for_budget(found: Sequence[Proposal], seconds: float) -> Proposal | None:
-    """Most accurate proposal of at most this time."""
+    """Most accurate proposal of at most this time.
+
+    Parameters
+    ----------
+    found : sequence of Proposal
+        Proposals.
+    seconds : float
+        Wall time (s).
+
+    Returns
+    -------
+    Proposal or None
+        None where there is none.
+    """
     good = [p for p in found if p.seconds <= seconds]
     return min(good, key=lambda p: (p.error, p.seconds)) if good else None

@@ -27,6 +27,15 @@ def held_out() -> set[str]:
 def refit(results: Path, costs: Path, precision: Path) -> list[str]:
     """Fit both models to all studies under a results folder and write them.
 
+    Parameters
+    ----------
+    results : Path
+        Folder of results.
+    costs : Path
+        JSON file of the cost model, replaced.
+    precision : Path
+        JSON file of the error model, replaced.
+
     Returns
     -------
     list of str

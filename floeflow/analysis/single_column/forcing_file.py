@@ -22,7 +22,7 @@ from floeflow.core.errors import FloeError
 from floeflow.core.input_files import Hints
 from floeflow.core.sun import day_of_year, sun_height
 from floeflow.core.times import first_date, say
-from floeflow.forcings import cf_variables as names
+from floeflow.forcings import cf_variables
 from floeflow.forcings.forcing import describe
 from floeflow.forcings.moisture import dew_point_humidity, snow_of_precipitation
 from floeflow.forcings.points import at_place
@@ -185,14 +185,18 @@ def _all_series(
 
 def _series(track: Track, name: str, start: datetime, near: str) -> tuple[Array, Array]:
     """Times (s) and SI values of a quantity, or of a component of the wind."""
-    quantity = names.QUANTITIES.get(name)
+    quantity = cf_variables.QUANTITIES.get(name)
     if quantity is None:
-        high = names.VECTORS[name].high
-        factor, offset = names.conversion(track.variable, names.VECTOR_UNITS, track.path)
-        low, summed = -high, False
+        high = cf_variables.VECTORS[name].high
+        factor, offset = cf_variables.conversion(
+            track.variable, cf_variables.VECTOR_UNITS, track.path
+        )
+        low, summed, unit = -high, False, cf_variables.VECTOR_UNITS
     else:
-        low, high = quantity.low, quantity.high
-        factor, offset, summed = names.scalar_conversion(track.variable, quantity, track.path)
+        low, high, unit = quantity.low, quantity.high, quantity.si
+        factor, offset, summed = cf_variables.scalar_conversion(
+            track.variable, quantity, track.path
+        )
     plan = track.records(track.cover() if track.layout.time else (0.0, 0.0))
     stored = track.values(plan.index).reshape(len(plan.index), 1)
     if not np.isfinite(stored).all():
@@ -206,9 +210,9 @@ def _series(track: Track, name: str, start: datetime, near: str) -> tuple[Array,
     if bad.any():
         k = int(np.argmax(bad))
         raise FloeError(
-            f"{track.path}: '{track.name}' is {values[k]:g} at "
-            f"{say(start, float(plan.seconds[k]))}{near}, outside {low:g} to {high:g}: check its "
-            "units"
+            f"{track.path}: '{track.name}' is {values[k]:g} {unit} at "
+            f"{say(start, float(plan.seconds[k]))}{near}, outside {low:g} to {high:g} {unit}: "
+            "check its units"
         )
     return plan.seconds, np.clip(values, low, high)
 

@@ -133,8 +133,8 @@ def check(given: argparse.Namespace) -> None:
         raise FloeError("--fraction must lie between 0 and 1")
     if given.scheme == "mushy" and given.salinity < LEAST_SALINITY:
         raise FloeError(
-            f"--salinity must be {LEAST_SALINITY:g} or more with --scheme mushy: fresh water makes "
-            "no mush"
+            f"--salinity must be {LEAST_SALINITY:g} (1e-3) or more with --scheme mushy: fresh "
+            "water makes no mush"
         )
     if given.ponds and given.scheme == "zero_layer":
         raise FloeError("--ponds needs --scheme bl99 or mushy")
@@ -183,7 +183,25 @@ def physics_of(given: argparse.Namespace) -> ColumnPhysics:
 
 
 def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
-    """Forcing of the place that the command line names."""
+    """Forcing of the place that the command line names.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Parsed command line.
+    settings : Settings
+        What the columns read.
+
+    Returns
+    -------
+    PointForcing
+        SI units.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read, or lacks a variable.
+    """
     constant = {
         "ocean_heat_flux": given.ocean_heat_flux,
         "friction_velocity": given.friction_velocity,

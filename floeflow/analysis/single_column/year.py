@@ -40,7 +40,26 @@ UNITS = {
 def start_columns(
     settings: Settings, thickness: float, fraction: float, snow: float, surface: float
 ) -> Columns:
-    """One element of ice of a thickness (m) under snow (m), its surface at a temperature (K)."""
+    """One element of ice of a thickness (m) under snow (m), its surface at a temperature (K).
+
+    Parameters
+    ----------
+    settings : Settings
+        Scheme, processes and categories.
+    thickness : float
+        Of the ice (m).
+    fraction : float
+        Share of the area under ice.
+    snow : float
+        Depth of the snow (m).
+    surface : float
+        Temperature of the surface (K).
+
+    Returns
+    -------
+    dict of ndarray
+        By the names of the state's schema, (1, ...).
+    """
     a = np.array([fraction if thickness > 0.0 else 0.0])
     every = first_columns(a, a * thickness, np.array([snow]), surface, settings)
     effects = [name for name in EFFECTS if name in ("thermodynamics", *settings.processes)]
@@ -105,7 +124,20 @@ def _dims(name: str) -> tuple[str, ...]:
 
 
 def residuals(terms: dict[str, float], seconds: float) -> dict[str, float]:
-    """What the terms leave unexplained: energy (W/m2), water and salt (kg/m2)."""
+    """What the terms leave unexplained: energy (W/m2), water and salt (kg/m2).
+
+    Parameters
+    ----------
+    terms : dict of float
+        Of the budgets, summed over time (J/m2, kg/m2).
+    seconds : float
+        Length of time (s).
+
+    Returns
+    -------
+    dict of float
+        By ``energy``, ``water`` and ``salt``.
+    """
     found = {}
     for kind, per in (("energy", seconds), ("water", 1.0), ("salt", 1.0)):
         stored = terms.get(f"{kind}_stored")

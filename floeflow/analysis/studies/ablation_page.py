@@ -46,7 +46,20 @@ def effect_table(study: Ablation) -> Table:
 
 
 def sentences(study: Ablation, scene: Scene) -> list[str]:
-    """What the study says, in words."""
+    """What the study says, in words.
+
+    Parameters
+    ----------
+    study : Ablation
+        What was measured.
+    scene : Scene
+        Its keys.
+
+    Returns
+    -------
+    list of str
+        With units.
+    """
     said = [
         f"Rank correlation of estimated and measured influence: {study.rank:.2f} "
         f"({sum(row.name not in OUTPUT for row in study.rows)} effects).",

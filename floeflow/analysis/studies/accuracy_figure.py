@@ -54,7 +54,20 @@ LEAST = 1.0e-7
 
 
 def is_felt(study: Accuracy, norm: str) -> bool:
-    """Whether any run has an error in a norm: without thermodynamics no volume changes."""
+    """Whether any run has an error in a norm: without thermodynamics no volume changes.
+
+    Parameters
+    ----------
+    study : Accuracy
+        What was measured.
+    norm : str
+        Of the error.
+
+    Returns
+    -------
+    bool
+        False where all errors are round-off.
+    """
     errors = [e.get(norm, 0.0) for p in study.points for e in (p.errors, p.totals)]
     return max(errors, default=0.0) >= LEAST
 
@@ -66,6 +79,18 @@ def accuracy_figure(study: Accuracy, norm: str) -> Figure:
     the Pareto front of all runs, that of all knobs. Ringed marks are the default, crosses at the
     top runs that failed; below the hatched line is what chaos alone makes. Not drawn are the
     reference and what has no error: knobs that the norm does not feel, runs equal to their limit.
+
+    Parameters
+    ----------
+    study : Accuracy
+        What was measured.
+    norm : str
+        Of the error.
+
+    Returns
+    -------
+    Figure
+        For page and docs.
     """
     with look():
         figure = new_figure(7.6, 4.6)

@@ -14,9 +14,10 @@ from floeflow.report.study_page import Table
 from floeflow.scene import Scene
 
 LEAD = (
-    "Each knob was varied alone, and all together; the error of a knob's runs is against the limit "
-    "of its series (Richardson, where it converges, else its finest run), that of the runs "
-    "that vary all against the finest of them. Errors are relative to what happens in the run."
+    "Each numerical setting was varied alone, and all together; the error of a setting's runs is "
+    "against the limit of its series (Richardson, where it converges, else its finest run), that "
+    "of the runs that vary all against the finest of them. Errors are relative to what happens in "
+    "the run."
 )
 TARGETS = (0.01, 0.05, 0.2)
 
@@ -25,6 +26,18 @@ def recommendations(study: Accuracy, scene: Scene) -> list[tuple[float, bool, Se
     """Cheapest setting for each target error: of all knobs, and with the scene's own elements.
 
     Where a pack breaks, elements of another size break elsewhere: no size then keeps the error.
+
+    Parameters
+    ----------
+    study : Accuracy
+        What was measured.
+    scene : Scene
+        Its keys.
+
+    Returns
+    -------
+    list of tuple of float, bool and Setting or None
+        Target (1), whether the scene's elements are kept, and the setting or None.
     """
     points = quieted(study.points, study.noise)
     every = [knob.name for knob in knobs(scene)]
@@ -37,7 +50,20 @@ def recommendations(study: Accuracy, scene: Scene) -> list[tuple[float, bool, Se
 
 
 def recommendation_table(study: Accuracy, scene: Scene) -> Table:
-    """Settings for 1, 5 and 20 % error."""
+    """Settings for 1, 5 and 20 % error.
+
+    Parameters
+    ----------
+    study : Accuracy
+        What was measured.
+    scene : Scene
+        Its keys.
+
+    Returns
+    -------
+    Table
+        One row for each target.
+    """
     turned = knobs(scene)
     points = quieted(study.points, study.noise)
     rows = []
@@ -86,7 +112,7 @@ def run_table(study: Accuracy) -> Table:
         errors: list[object] = [
             100 * p.errors[n] if n in p.errors else "–" if p.stable else "unstable" for n in NORMS
         ]
-        name = "base (all knobs)" if p.knob == TOGETHER and p.run == "base" else p.run
+        name = "base (all settings)" if p.knob == TOGETHER and p.run == "base" else p.run
         name = f"{p.knob} default" if p.level == 1.0 else name
         rows.append([name, p.level, p.work, p.cpu, p.element_steps, *errors])
     note = "Work, CPU and element-steps relative to the default run; errors in per cent."

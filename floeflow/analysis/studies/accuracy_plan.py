@@ -29,7 +29,7 @@ def accuracy_variants(scene: Scene) -> list[Variant]:
                 name = f"{knob.name}-{place}"
                 runs.append(Variant(name, knob.changes(level), knob.name, label))
     for name, move in MOVES.items():
-        label = f"all knobs {name}"
+        label = f"all settings {name}"
         runs.append(Variant(f"all-{name}", _together(scene, move), TOGETHER, label))
     return runs
 
@@ -43,6 +43,19 @@ def _together(scene: Scene, move: int) -> Changes:
 
 
 def moved_level(knob: Knob, move: int) -> float:
-    """Level so many places from the scene's own, kept within the knob's range."""
+    """Level so many places from the scene's own, kept within the knob's range.
+
+    Parameters
+    ----------
+    knob : Knob
+        Numerical setting.
+    move : int
+        Places, negative towards finer levels.
+
+    Returns
+    -------
+    float
+        Relative to the scene's own.
+    """
     place = knob.levels.index(1.0) + move
     return knob.levels[min(max(place, 0), len(knob.levels) - 1)]

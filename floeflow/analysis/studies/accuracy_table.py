@@ -104,7 +104,20 @@ class Runs:
         return self.scene.model_copy(update={"grid": grid})
 
     def errors(self, reference: str, run: str) -> dict[str, float]:
-        """Relative errors of a run against another."""
+        """Relative errors of a run against another.
+
+        Parameters
+        ----------
+        reference : str
+            Names of runs.
+        run : str
+            Names of runs.
+
+        Returns
+        -------
+        dict of float
+            1, by norm.
+        """
         (one, first), (two, second) = self.ends(reference), self.ends(run)
         return relative(*errors(one, two, (first, second)))
 
@@ -167,7 +180,20 @@ def _totals(point: Point, runs: Runs, reference: str) -> dict[str, float]:
 
 
 def run_of(knob: Knob, place: int) -> str:
-    """Variant of a knob's level."""
+    """Variant of a knob's level.
+
+    Parameters
+    ----------
+    knob : Knob
+        Numerical setting.
+    place : int
+        Of the level in its levels.
+
+    Returns
+    -------
+    str
+        Name of the run.
+    """
     return BASE if knob.levels[place] == 1.0 else f"{knob.name}-{place}"
 
 
@@ -227,6 +253,18 @@ def pareto(points: Sequence[Point], norm: str) -> list[Point]:
     """Runs that no other beats in both work and total error, cheapest first.
 
     The reference itself is none of them.
+
+    Parameters
+    ----------
+    points : sequence of Point
+        Runs.
+    norm : str
+        Of the error.
+
+    Returns
+    -------
+    list of Point
+        Ascending in work.
     """
     front: list[Point] = []
     good = [p for p in points if p.stable and norm in p.totals and p.run != REFERENCE]
@@ -237,7 +275,20 @@ def pareto(points: Sequence[Point], norm: str) -> list[Point]:
 
 
 def as_dataset(study: Accuracy, scene: Scene) -> xr.Dataset:
-    """All runs of a study on ``run`` and ``norm``, for ``accuracy.nc``."""
+    """All runs of a study on ``run`` and ``norm``, for ``accuracy.nc``.
+
+    Parameters
+    ----------
+    study : Accuracy
+        What was measured.
+    scene : Scene
+        Its keys.
+
+    Returns
+    -------
+    xarray.Dataset
+        With units and descriptions.
+    """
     points = study.points
     names = list(NORMS)
     table = [[p.errors.get(name, np.nan) for name in names] for p in points]

@@ -32,7 +32,25 @@ class RunEnds:
 
 
 def read_ends(first: Path, last: Path) -> RunEnds:
-    """States at start and end of a run."""
+    """States at start and end of a run.
+
+    Parameters
+    ----------
+    first : Path
+        NetCDF files of states.
+    last : Path
+        NetCDF files of states.
+
+    Returns
+    -------
+    RunEnds
+        Both.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read.
+    """
     return RunEnds(read_state(first), read_state(last))
 
 
@@ -94,7 +112,20 @@ def broken(run: RunEnds) -> np.ndarray:
 
 
 def broken_share_elsewhere(base: RunEnds, other: RunEnds) -> float:
-    """Share of the bonds broken in either run that broke in one of them only (Jaccard distance)."""
+    """Share of the bonds broken in either run that broke in one of them only (Jaccard distance).
+
+    Parameters
+    ----------
+    base : RunEnds
+        Runs from the same bonds.
+    other : RunEnds
+        Runs from the same bonds.
+
+    Returns
+    -------
+    float
+        0 to 1; 0 where neither broke any.
+    """
     one, two = ({tuple(pair) for pair in broken(run).tolist()} for run in (base, other))
     return 1.0 - len(one & two) / len(one | two) if one | two else 0.0
 
@@ -114,6 +145,13 @@ def deformation(run: RunEnds) -> float:
 
 def differences(base: RunEnds, other: RunEnds) -> dict[str, float]:
     """All measures of how far a run lies from another.
+
+    Parameters
+    ----------
+    base : RunEnds
+        Start and end of each run.
+    other : RunEnds
+        Start and end of each run.
 
     Returns
     -------

@@ -54,7 +54,22 @@ it is measured: [accuracy](accuracy.md#where-ice-breaks).
 
 
 def study_records(scene: Scene, study: str, results: Path) -> list[dict]:
-    """Records of a study; empty where its page was never made."""
+    """Records of a study; empty where its page was never made.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    study : str
+        Name of the study.
+    results : Path
+        Folder of results.
+
+    Returns
+    -------
+    list of dict
+        Of each run, by name.
+    """
     if not (results / scene.name / f"{study}.html").is_file():
         return []
     runs = results.glob(f"{run_name(scene.name, study, '*')}/record.json")
@@ -62,7 +77,20 @@ def study_records(scene: Scene, study: str, results: Path) -> list[dict]:
 
 
 def effects_section(scene: Scene, study: Ablation) -> str:
-    """Markdown of an ablation."""
+    """Markdown of an ablation.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    study : Ablation
+        What was measured.
+
+    Returns
+    -------
+    str
+        With a table and a figure.
+    """
     lines = ["### Effects", ""]
     lines += [f"- {text}" for text in ablation_page.sentences(study, scene)]
     lines += ["", as_markdown(ablation_page.effect_table(study)), ""]
@@ -71,7 +99,20 @@ def effects_section(scene: Scene, study: Ablation) -> str:
 
 
 def accuracy_section(scene: Scene, study: Accuracy) -> str:
-    """Markdown of an accuracy study."""
+    """Markdown of an accuracy study.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    study : Accuracy
+        What was measured.
+
+    Returns
+    -------
+    str
+        With tables and figures.
+    """
     lines = ["### Accuracy against cost", ""]
     for table in (
         accuracy_page.recommendation_table(study, scene),
@@ -104,7 +145,20 @@ def summary(studies: Sequence[tuple[Scene, Ablation]]) -> Table:
 
 
 def ensemble_section(scene: Scene, study: Ensemble) -> str:
-    """Markdown of an ensemble study."""
+    """Markdown of an ensemble study.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    study : Ensemble
+        What was measured.
+
+    Returns
+    -------
+    str
+        With tables and a figure.
+    """
     lines = [f"## {scene.report.title or scene.name}", "", f"`config/scenes/{scene.name}.yaml`", ""]
     lines += [f"- {text}" for text in ensemble_page.sentences(study)]
     lines += ["", f"![{CAPTION}](images/studies/{scene.name}_ensemble.png)", "", CAPTION, ""]

@@ -92,6 +92,22 @@ def kept_member(chunk: Chunk, clock: Chunk, number: int, factor: float) -> dict[
     """A member and its clock, from its file where an earlier job has finished it.
 
     One that failed is tried again: a full disk is no property of a setting.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        Windows of the setting.
+    clock : Chunk
+        Windows of the base scene, whose first is timed.
+    number : int
+        Of the member.
+    factor : float
+        Of the wind's stress.
+
+    Returns
+    -------
+    dict of object
+        Statistics or fault, cost, and what it was made from.
     """
     path = chunk.folder / "members" / f"member-{number}.json"
     made_from = {**fixed_hashes(chunk), "factor": factor, "windows": len(chunk.windows)}
@@ -108,7 +124,20 @@ def kept_member(chunk: Chunk, clock: Chunk, number: int, factor: float) -> dict[
 
 
 def base_chunk(record: Mapping[str, Any], chunk: Chunk) -> Chunk:
-    """Windows of the base scene, from its record."""
+    """Windows of the base scene, from its record.
+
+    Parameters
+    ----------
+    record : mapping of object
+        Of the base scene.
+    chunk : Chunk
+        Of a setting, whose folder is used.
+
+    Returns
+    -------
+    Chunk
+        All windows of the base scene.
+    """
     files = record["chunk"]
     scene = read_resolved(Path(files["scene"]))
     return replace(
@@ -122,14 +151,40 @@ def base_chunk(record: Mapping[str, Any], chunk: Chunk) -> Chunk:
 
 
 def with_stress(scene: Scene, factor: float) -> Scene:
-    """The scene with the stress of its wind multiplied."""
+    """The scene with the stress of its wind multiplied.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    factor : float
+        Positive.
+
+    Returns
+    -------
+    Scene
+        With another drag coefficient of the air.
+    """
     drag = scene.dynamics.air_drag * factor
     dynamics = scene.dynamics.model_copy(update={"air_drag": drag})
     return scene.model_copy(update={"dynamics": dynamics})
 
 
 def clock_seconds(base: Chunk, folder: Path) -> float:
-    """CPU seconds of the base scene's first window."""
+    """CPU seconds of the base scene's first window.
+
+    Parameters
+    ----------
+    base : Chunk
+        Windows of the base scene.
+    folder : Path
+        For the files of the run; removed.
+
+    Returns
+    -------
+    float
+        s.
+    """
     first = replace(base, folder=folder, windows=base.windows[:1])
     run_chunk(first)
     seconds = window_seconds(first)
@@ -144,7 +199,22 @@ def window_seconds(chunk: Chunk) -> float:
 
 
 def run_member(chunk: Chunk, name: str, factor: float) -> dict[str, Any]:
-    """Run a member in a folder of its own, which is left only while it is not finished."""
+    """Run a member in a folder of its own, which is left only while it is not finished.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        Windows of the setting.
+    name : str
+        Of the member's folder.
+    factor : float
+        Of the wind's stress.
+
+    Returns
+    -------
+    dict of object
+        Statistics and cost, or ``fault`` alone.
+    """
     member = replace(
         chunk, scene=with_stress(chunk.scene, factor), folder=chunk.folder / "members" / name
     )
@@ -221,7 +291,20 @@ def parting(chunk: Chunk) -> dict[str, Any]:
 
 
 def distance(one: xr.Dataset, two: xr.Dataset) -> float:
-    """Root mean square distance between the same elements of two snapshots (m)."""
+    """Root mean square distance between the same elements of two snapshots (m).
+
+    Parameters
+    ----------
+    one : xarray.Dataset
+        Snapshots.
+    two : xarray.Dataset
+        Snapshots.
+
+    Returns
+    -------
+    float
+        Weighted by the area of the first.
+    """
     _, here, there = np.intersect1d(
         one["id"].values, two["id"].values, assume_unique=True, return_indices=True
     )

@@ -49,7 +49,24 @@ def make_boxes(domain: Domain) -> Boxes:
 
 
 def box_sums(boxes: Boxes, x: Array, y: Array, amount: Array) -> Array:
-    """Sum of amounts at places x, y (m) over each box, (ny, nx); places outside do not count."""
+    """Sum of amounts at places x, y (m) over each box, (ny, nx); places outside do not count.
+
+    Parameters
+    ----------
+    boxes : Boxes
+        Squares (m).
+    x : ndarray
+        Places (m), (n,).
+    y : ndarray
+        Places (m), (n,).
+    amount : ndarray
+        (n,).
+
+    Returns
+    -------
+    ndarray
+        In the unit of the amount.
+    """
     column = np.floor((x - boxes.x_min) / boxes.width).astype(np.int64)
     row = np.floor((y - boxes.y_min) / boxes.width).astype(np.int64)
     inside = (column >= 0) & (column < boxes.nx) & (row >= 0) & (row < boxes.ny)
@@ -62,6 +79,20 @@ def box_drift(boxes: Boxes, first: xr.Dataset, last: xr.Dataset) -> Array:
     """Mean velocity of the ice that started in each box (m s-1), (2, ny, nx).
 
     NaN where elements that are there at the start and the end cover less than `COVERED` of the box.
+
+    Parameters
+    ----------
+    boxes : Boxes
+        Squares (m).
+    first : xarray.Dataset
+        Snapshots.
+    last : xarray.Dataset
+        Snapshots.
+
+    Returns
+    -------
+    ndarray
+        Components u and v.
     """
     moved, step = displacement(first, last)
     area, length = moved["area"].values, float(last.attrs["time"] - first.attrs["time"])
@@ -77,6 +108,18 @@ def box_deformation(boxes: Boxes, drift: Array) -> Array:
     """Total deformation rate of box means, sqrt(divergence² + shear²) (s-1), (ny-2, nx-2).
 
     Central differences over two boxes; NaN where a neighbour is.
+
+    Parameters
+    ----------
+    boxes : Boxes
+        Squares (m).
+    drift : ndarray
+        m/s, (2, ny, nx).
+
+    Returns
+    -------
+    ndarray
+        1/s.
     """
     u, v = drift
     over = 2.0 * boxes.width

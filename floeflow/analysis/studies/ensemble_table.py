@@ -283,6 +283,18 @@ def wishes(study: Ensemble, shares: Sequence[float]) -> list[Wish]:
     """What can be said for each wanted share.
 
     The scene as it is keeps its own statistics: nothing need be cheaper.
+
+    Parameters
+    ----------
+    study : Ensemble
+        What was measured.
+    shares : sequence of float
+        Relative changes that would be accepted, such as 0.05.
+
+    Returns
+    -------
+    list of Wish
+        One for each share.
     """
     found = []
     for share in shares:
@@ -303,6 +315,18 @@ def is_beaten(row: Row, rows: Sequence[Row]) -> bool:
     """Whether a setting cheaper than the scene's is dearer than one that is shown to change less.
 
     What a dearer setting changes is no loss: it is what the scene's own still lacks.
+
+    Parameters
+    ----------
+    row : Row
+        Setting.
+    rows : sequence of Row
+        All settings.
+
+    Returns
+    -------
+    bool
+        False for the scene's own setting.
     """
     others = [other for other in rows if other is not row and other.name != AGAIN]
     coarser = row.name != AGAIN and row.cost.mean < 1.0

@@ -60,7 +60,20 @@ def pool(samples: Sequence[Array]) -> Spread:
 
 
 def without(spread: Spread, part: Spread) -> Spread:
-    """A pooled variance without that of one of its samples."""
+    """A pooled variance without that of one of its samples.
+
+    Parameters
+    ----------
+    spread : Spread
+        Pooled variance, and its degrees of freedom.
+    part : Spread
+        Of the sample that is left out.
+
+    Returns
+    -------
+    Spread
+        NaN without degrees of freedom.
+    """
     freedom = spread.freedom - part.freedom
     if freedom <= 0 or not part.freedom:
         return spread if not part.freedom else Spread(math.nan, 0)
@@ -100,7 +113,20 @@ def difference(own: Array, base: Array, spread: Spread, confidence: float) -> In
 
 
 def verdict(found: Interval, share: float) -> str:
-    """Whether a difference is shown to be within a share, beyond it, or neither."""
+    """Whether a difference is shown to be within a share, beyond it, or neither.
+
+    Parameters
+    ----------
+    found : Interval
+        Interval of the relative difference.
+    share : float
+        Relative difference that counts as none.
+
+    Returns
+    -------
+    str
+        ``WITHIN``, ``BEYOND`` or ``UNKNOWN``.
+    """
     if found.bound <= share:
         return WITHIN
     if found.low > share or found.high < -share:

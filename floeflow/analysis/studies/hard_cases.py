@@ -25,6 +25,15 @@ def write_document(
 ) -> Path:
     """Write docs/hard_cases.md and copy its figures beside it.
 
+    Parameters
+    ----------
+    results : Path, optional
+        Folder of the hard cases' results.
+    page : Path, optional
+        Markdown file.
+    images : Path, optional
+        Folder of the figures.
+
     Raises
     ------
     FloeError

@@ -19,7 +19,22 @@ from floeflow.scene import Scene
 
 
 def on_grid(scene: Scene, ends: RunEnds, mask: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset]:
-    """Gridded concentration and thickness at start and end of a run."""
+    """Gridded concentration and thickness at start and end of a run.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    ends : RunEnds
+        Start and end of the run.
+    mask : xarray.Dataset
+        With land.
+
+    Returns
+    -------
+    tuple of xarray.Dataset
+        At the start and at the end, (y, x); 1 and m.
+    """
     names = ["siconc", "sithick"]
     first, last = (
         with_shares(make_grid(scene, state, mask)[names].isel(time=0))
@@ -63,5 +78,18 @@ def _rms(one: xr.DataArray, other: xr.DataArray | float) -> float:
 
 
 def relative(found: Mapping[str, float], scale: Mapping[str, float]) -> dict[str, float]:
-    """Errors over their scales."""
+    """Errors over their scales.
+
+    Parameters
+    ----------
+    found : mapping of float
+        By norm, in one unit.
+    scale : mapping of float
+        By norm, in one unit.
+
+    Returns
+    -------
+    dict of float
+        1; 0 where the scale is 0.
+    """
     return {name: value / scale[name] if scale[name] else 0.0 for name, value in found.items()}

@@ -43,6 +43,20 @@ def tail(levels: Sequence[float], step: float, order: float) -> float:
     """Error that the finest level still has: |u_0 - u_1| / (r^p - 1), Richardson (1911).
 
     Infinite where the sequence does not converge.
+
+    Parameters
+    ----------
+    levels : sequence of float
+        Finest first.
+    step : float
+        Difference between the two finest.
+    order : float
+        Observed order of convergence p.
+
+    Returns
+    -------
+    float
+        In the unit of ``step``.
     """
     if not LEAST_ORDER <= order <= MOST_ORDER:
         return math.inf

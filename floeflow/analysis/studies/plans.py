@@ -21,7 +21,20 @@ STUDIES: dict[str, Callable[[Scene], list[Variant]]] = {
 
 
 def study_variants(study: str, scene: Scene) -> dict[str, Variant]:
-    """Runs of a study by name, ``base`` first."""
+    """Runs of a study by name, ``base`` first.
+
+    Parameters
+    ----------
+    study : str
+        Name of the study.
+    scene : Scene
+        Its keys.
+
+    Returns
+    -------
+    dict of Variant
+        In the order of the runs.
+    """
     return {variant.name: variant for variant in _variants(study, scene.model_dump_json())}
 
 

@@ -30,13 +30,38 @@ def quieted(points: Sequence[Point], noise: float) -> list[Point]:
     """Runs whose work differs from the default's by no more than the clock does, as cheap as it.
 
     The scene's own level comes first in a series: others must be better to be chosen.
+
+    Parameters
+    ----------
+    points : sequence of Point
+        Runs.
+    noise : float
+        Relative difference of the work of one and the same run.
+
+    Returns
+    -------
+    list of Point
+        Those of the scene's own level first.
     """
     even = [replace(p, work=1.0) if abs(p.work - 1.0) <= noise else p for p in points]
     return sorted(even, key=lambda p: p.level != 1.0)
 
 
 def worst(point: Point, norms: Sequence[str] = KEPT) -> float:
-    """Largest relative error of a run over the norms that a recommendation keeps."""
+    """Largest relative error of a run over the norms that a recommendation keeps.
+
+    Parameters
+    ----------
+    point : Point
+        Run.
+    norms : sequence of str, optional
+        Those that count.
+
+    Returns
+    -------
+    float
+        1.
+    """
     return max((point.errors.get(name, 0.0) for name in norms), default=0.0)
 
 
@@ -44,6 +69,18 @@ def settings(points: Sequence[Point], knobs: Sequence[str]) -> list[Setting]:
     """Combinations of the knobs' stable levels that no other beats in work and every kept norm.
 
     Knob by knob, so that what is beaten already need not be combined with what comes.
+
+    Parameters
+    ----------
+    points : sequence of Point
+        Runs.
+    knobs : sequence of str
+        Numerical settings by name.
+
+    Returns
+    -------
+    list of Setting
+        With relative work and error.
     """
     levels: list[dict[str, float]] = [{}]
     # Squares of the errors and, last, the work; both grow with those of every further knob.
@@ -73,12 +110,42 @@ def _unbeaten(rank: NDArray[np.float64]) -> list[int]:
 
 
 def recommend(points: Sequence[Point], knobs: Sequence[str], error: float) -> Setting | None:
-    """Cheapest setting with at most this error; None where there is none."""
+    """Cheapest setting with at most this error; None where there is none.
+
+    Parameters
+    ----------
+    points : sequence of Point
+        Runs.
+    knobs : sequence of str
+        Numerical settings by name.
+    error : float
+        Relative error, 0.05 for 5 %.
+
+    Returns
+    -------
+    Setting or None
+        None where there is none.
+    """
     good = [s for s in settings(points, knobs) if s.error <= error]
     return min(good, key=lambda s: (s.work, s.error)) if good else None
 
 
 def most_accurate(points: Sequence[Point], knobs: Sequence[str], work: float) -> Setting | None:
-    """Most accurate setting of at most this work; None where there is none."""
+    """Most accurate setting of at most this work; None where there is none.
+
+    Parameters
+    ----------
+    points : sequence of Point
+        Runs.
+    knobs : sequence of str
+        Numerical settings by name.
+    work : float
+        Relative to the scene's own.
+
+    Returns
+    -------
+    Setting or None
+        None where there is none.
+    """
     good = [s for s in settings(points, knobs) if s.work <= work]
     return min(good, key=lambda s: (s.error, s.work)) if good else None

@@ -33,6 +33,18 @@ def results_of(reference: RunEnds, ends: RunEnds) -> tuple[dict[str, Any], str]:
     """Headline results of a run, and how far they lie from the base run's; or its fault.
 
     A run whose results are not finite, or whose ice is faster than any, failed too.
+
+    Parameters
+    ----------
+    reference : RunEnds
+        Start and end of the base run.
+    ends : RunEnds
+        Of this run.
+
+    Returns
+    -------
+    tuple of dict of object and str
+        Results in SI units, and the fault; empty for none.
     """
     found: dict[str, Any] = {
         "scales": dict(scales(reference)),
@@ -103,7 +115,24 @@ def run_variant(
 def as_record(
     variant: Variant, chunk: Chunk, outcome: Outcome, results: dict[str, Any]
 ) -> dict[str, Any]:
-    """What is kept of a run."""
+    """What is kept of a run.
+
+    Parameters
+    ----------
+    variant : Variant
+        What was changed.
+    chunk : Chunk
+        What was run.
+    outcome : Outcome
+        Cost and fault.
+    results : dict of object
+        Headline results.
+
+    Returns
+    -------
+    dict of object
+        JSON values.
+    """
     return {
         "variant": variant.name,
         "group": variant.group,

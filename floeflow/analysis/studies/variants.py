@@ -52,7 +52,22 @@ class Variant:
 
 
 def run_name(scene: str, study: str, variant: str) -> str:
-    """Name of a variant's scene."""
+    """Name of a variant's scene.
+
+    Parameters
+    ----------
+    scene : str
+        Names.
+    study : str
+        Names.
+    variant : str
+        Names.
+
+    Returns
+    -------
+    str
+        ``<scene>+<study>-<variant>``.
+    """
     return f"{scene}+{study}-{variant}"
 
 

@@ -37,7 +37,20 @@ class MixedLayer(NamedTuple):
 
 @jit
 def freezing_temperature(salinity, p):
-    """Freezing point of sea water (degC): the liquidus of brine for mush, else a straight line."""
+    """Freezing point of sea water (degC): the liquidus of brine for mush, else a straight line.
+
+    Parameters
+    ----------
+    salinity : float
+        Of the water (1e-3).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        degC.
+    """
     if p.mushy:
         return liquidus(salinity)
     return -p.melting_slope * salinity
@@ -77,6 +90,24 @@ def limit(bottom, side, stored, potential, dt):
     """Cut both so that they take no more than the melting potential (theory, eq. 22).
 
     ``stored`` is the energy of all ice and snow (J/m2, negative).
+
+    Parameters
+    ----------
+    bottom : float
+        Heat into the ice's bottom (W/m2).
+    side : float
+        Share of the ice that melts from its sides in the step.
+    stored : float
+        Energy of all ice and snow (J/m2, negative).
+    potential : float
+        Freezing (positive) or melting potential of the mixed layer (W/m2).
+    dt : float
+        Time step (s).
+
+    Returns
+    -------
+    tuple of float
+        Heat into the bottom (W/m2) and share that melts from the sides.
     """
     wanted = bottom - side * stored / dt
     if side <= 0.0 or wanted <= -potential:

@@ -40,7 +40,20 @@ def heat_capacity(params: ColumnParams) -> float:
 
 
 def sea_energy(sea: Sea, params: ColumnParams) -> Array:
-    """Heat of the mixed layer above its freezing point, less what it lacks (J/m2), (n,)."""
+    """Heat of the mixed layer above its freezing point, less what it lacks (J/m2), (n,).
+
+    Parameters
+    ----------
+    sea : Sea
+        Mixed layer, (n,).
+    params : ColumnParams
+        Its depth, and the freezing point.
+
+    Returns
+    -------
+    ndarray
+        (n,).
+    """
     warmer = sea.temperature - params.freezing_temperature
     return np.asarray(heat_capacity(params) * warmer - sea.pending_freeze)
 
@@ -113,7 +126,7 @@ def mix(sea: Sea, heat: Array, deep: Array, dt: float, params: ColumnParams) -> 
     # What exceeds the largest potential stays in the water as supercooling.
     temperature = np.where(pending > 0.0, freezing - (lacking - pending) / capacity, temperature)
     if not params.frazil:
-        # No ice may be made of it: the deep pays.
+        # No ice may be made of it: the heat comes from below.
         taken, pending = taken + pending, np.zeros_like(pending)
     return Sea(temperature, pending), taken
 

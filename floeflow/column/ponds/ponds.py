@@ -85,6 +85,25 @@ def pond_cover(level, snow, covered, fallen, p):
     soaks into snow before it shows (Hunke et al. 2013; eqs. 8 to 10). Brings ``level``'s snow on
     lids up to date. ``fallen`` is the snow of the step: its mass (kg/m2) is taken for a depth (m),
     as the reference does, so that snow hides a lid within hours.
+
+    Parameters
+    ----------
+    level : ndarray
+        What is in ``LEVEL`` of the category, (len(LEVEL),); its snow on lids is changed.
+    snow : float
+        Depth of the snow on the ice (m).
+    covered : float
+        Share of the ice that snow covers.
+    fallen : float
+        Snow of the step (kg/m2, read as m).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Share of the ice under ponds that the sun sees, their depth (m), share of the ice under
+        snow, depth of the snow (m).
     """
     area = level[LEVEL_AREA] * level[POND_AREA]
     lid = area * level[POND_LID]
@@ -114,7 +133,23 @@ def pond_cover(level, snow, covered, fallen, p):
 
 @jit
 def flush(c, n, speed, dt, sums, p):
-    """Drain ponds into mush at a Darcy speed (m/s) and through its flaws (eqs. 6 and 7)."""
+    """Drain ponds into mush at a Darcy speed (m/s) and through its flaws (eqs. 6 and 7).
+
+    Parameters
+    ----------
+    c : Column
+        Categories; the depth of the ponds is reduced.
+    n : int
+        Category.
+    speed : float
+        Darcy speed (m/s) through the ice.
+    dt : float
+        Time step (s).
+    sums : ndarray
+        Budget terms, added to, (len(SUMS),).
+    p : Physics
+        Constants.
+    """
     level = c.level[n]
     area = level[LEVEL_AREA] * level[POND_AREA]
     before = level[POND_DEPTH]
@@ -207,6 +242,30 @@ def lid_growth(lid, depth, gain, air, flux, on_lid, dt, p):
 
     Stefan's law below the air while nothing melts (eq. 3); else the surface's flux melts the lid,
     and where no snow lies on it that heat does not reach the pond (eq. 4).
+
+    Parameters
+    ----------
+    lid : float
+        Thickness of the lid (m).
+    depth : float
+        Of the water in the pond (m).
+    gain : float
+        Melt water and rain that the pond caught in the step (m of water per area of the ice).
+    air : float
+        Temperature of the air (degC).
+    flux : float
+        From the air into the surface (W/m2).
+    on_lid : float
+        Snow on the lid (m).
+    dt : float
+        Time step (s).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Ice gained (m), and share of the flux that melting took.
     """
     latent = p.ice_density * p.fusion
     if gain == 0.0:
@@ -228,7 +287,28 @@ def lid_growth(lid, depth, gain, air, flux, on_lid, dt, p):
 
 @jit
 def shape(area, water, change, flat, cover, p):
-    """Area and depth of a pond that holds water and changed by so much (eq. 5; m of the ice)."""
+    """Area and depth of a pond that holds water and changed by so much (eq. 5; m of the ice).
+
+    Parameters
+    ----------
+    area : float
+        Share of the ice under the pond before.
+    water : float
+        Volume of the pond's water per area of the ice (m).
+    change : float
+        By how much the step changed it (m).
+    flat : float
+        Share of the ice that is level.
+    cover : float
+        Area fraction of the category.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Share of the ice under the pond, and depth (m).
+    """
     if not p.ponds_cover_level:
         return basin(water, flat, p)
     if area * cover > TINY:
@@ -242,7 +322,22 @@ def shape(area, water, change, flat, cover, p):
 
 @jit
 def basin(water, flat, p):
-    """Area and depth of a pond that is as deep as wide by its aspect, where there is room."""
+    """Area and depth of a pond that is as deep as wide by its aspect, where there is room.
+
+    Parameters
+    ----------
+    water : float
+        Volume of the pond's water per area of the ice (m).
+    flat : float
+        Share of the ice that is level.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Share of the ice under the pond, and depth (m).
+    """
     area = min(math.sqrt(water / p.pond_aspect), flat)
     return (area, water / area) if area > TINY else (0.0, 0.0)
 

@@ -19,6 +19,30 @@ def shed_light(c, n, thickness, w, rays, f, dt, p):
     """Light absorbed at the surface and passed to the ocean (W/m2); fills ``w.source``.
 
     Arguments as `delta_eddington.absorb_scattered`, after `profile.fill`.
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+    n : int
+        Category.
+    thickness : Thickness
+        Of ice and snow (m).
+    w : Profile
+        Filled by `profile.fill`; its ``source`` is set.
+    rays : Rays
+        Work arrays of the light.
+    f : ndarray
+        Forcing of the step, (len(FORCING),).
+    dt : float
+        Time step (s).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        W/m2 of the ice's area.
     """
     first = c.snow_enthalpy.shape[1]
     if p.delta_eddington:
@@ -43,6 +67,22 @@ def lift(w, first, dt, p):
     """Take light from layers that it would melt; what the surface gets instead (W/m2).
 
     Hunke et al. (2015), section on thermodynamics; docs/theory/column_light.md, eq. 14.
+
+    Parameters
+    ----------
+    w : Profile
+        Layers; light is taken from ``source``.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    dt : float
+        Time step (s).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        W/m2.
     """
     lifted = 0.0
     for k in range(0 if not p.mushy else first, w.source.size):

@@ -17,6 +17,22 @@ def albedos(thickness, snow, temperature, p):
     """Albedo of bare ice and of snow: ice visible, ice infrared, snow visible, snow infrared.
 
     Briegleb et al. (2004); theory, eq. 11.
+
+    Parameters
+    ----------
+    thickness : float
+        Thickness of the ice, and depth of the snow (m).
+    snow : float
+        Thickness of the ice, and depth of the snow (m).
+    temperature : float
+        Of the surface (degC).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Four albedos; those of snow are the ocean's where there is no snow.
     """
     thick = min(math.atan(4.0 * thickness) / math.atan(4.0 * p.albedo_thickness), 1.0)
     warm = 1.0 - min(max(-temperature / p.albedo_ramp, 0.0), 1.0)

@@ -82,7 +82,17 @@ class Surface(NamedTuple):
 
 @jit
 def ice_media(media, layers, p):
-    """Set the media of bare ice, which no category changes."""
+    """Set the media of bare ice, which no category changes.
+
+    Parameters
+    ----------
+    media : ndarray
+        Media of `Rays`, set, (number, MEDIUM).
+    layers : int
+        Number of ice layers.
+    p : Physics
+        Constants.
+    """
     for place in range(4):
         for band in range(BANDS):
             scatters, absorbs = bare_ice(place, layers, band, p)
@@ -91,7 +101,24 @@ def ice_media(media, layers, p):
 
 @jit
 def bare_ice(place, layers, band, p):
-    """Scattering and absorption (1/m) of skin, drained ice, ice inside, and of what is both."""
+    """Scattering and absorption (1/m) of skin, drained ice, ice inside, and of what is both.
+
+    Parameters
+    ----------
+    place : int
+        Sort of ice: SURFACE, DRAINED, INSIDE or IN_PART, which is drained in part.
+    layers : int
+        Number of ice layers.
+    band : int
+        Spectral band: 0 visible, then infrared.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Scattering and absorption coefficients (1/m).
+    """
     if place < IN_PART:
         return ice_scattering(place, band, p)
     share = (DRAINED_SHARE * layers) % 1.0
@@ -103,7 +130,19 @@ def bare_ice(place, layers, band, p):
 
 @jit
 def mix_ice(media, m, scatters, absorbs):
-    """Set a medium of ice by its scattering and absorption (1/m)."""
+    """Set a medium of ice by its scattering and absorption (1/m).
+
+    Parameters
+    ----------
+    media : ndarray
+        Media of `Rays`, set, (number, MEDIUM).
+    m : int
+        Row of the medium.
+    scatters : float
+        Coefficients (1/m).
+    absorbs : float
+        Coefficients (1/m).
+    """
     extinction = scatters + absorbs
     mix_medium(media, m, extinction, scatters / extinction, ICE_ASYMMETRY)
 
@@ -223,7 +262,21 @@ def shine(surface, first, w, rays, f, p):
 
 @jit
 def mix_ponded(media, pond, layers, band, p):
-    """Set the media of ice under a pond (m): that of bare ice where it is shallow (eq. 13)."""
+    """Set the media of ice under a pond (m): that of bare ice where it is shallow (eq. 13).
+
+    Parameters
+    ----------
+    media : ndarray
+        Media of `Rays`; rows from PONDED on are set, (number, MEDIUM).
+    pond : float
+        Depth of the pond (m).
+    layers : int
+        Number of ice layers.
+    band : int
+        Spectral band: 0 visible, then infrared.
+    p : Physics
+        Constants.
+    """
     wet = min(pond / DEEP_POND, 1.0)
     for place in range(4):
         deep, absorbs = ice_scattering(POND_SURFACE if place == 0 else POND_INSIDE, band, p)
@@ -235,7 +288,22 @@ def mix_ponded(media, pond, layers, band, p):
 
 @jit
 def drained_share(place, layers, p):
-    """Share of a layer, counted from 1 below the skin, that is drained."""
+    """Share of a layer, counted from 1 below the skin, that is drained.
+
+    Parameters
+    ----------
+    place : int
+        Number of the layer, from 1 below the skin.
+    layers : int
+        Number of ice layers.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        Between 0 and 1.
+    """
     if not p.drained_by_depth:
         return 1.0 if place == 1 else 0.0
     return min(max(DRAINED_SHARE * layers - (place - 1), 0.0), 1.0)
@@ -243,7 +311,22 @@ def drained_share(place, layers, p):
 
 @jit
 def sort_of(place, layers, p):
-    """Sort of ice of the skin (0) and of the layers below it."""
+    """Sort of ice of the skin (0) and of the layers below it.
+
+    Parameters
+    ----------
+    place : int
+        Number of the layer; 0 is the skin.
+    layers : int
+        Number of ice layers.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    int
+        SURFACE, DRAINED, INSIDE or IN_PART.
+    """
     if place == 0:
         return 0
     share = drained_share(place, layers, p)

@@ -84,7 +84,22 @@ SNOW_ASYMMETRY = np.ascontiguousarray(_SNOW[:, 7:10])
 
 @jit
 def ice_scattering(kind, band, p):
-    """Scattering and absorption of a layer of ice (1/m), scattering as tuned."""
+    """Scattering and absorption of a layer of ice (1/m), scattering as tuned.
+
+    Parameters
+    ----------
+    kind : int
+        SURFACE, DRAINED, INSIDE, POND_SURFACE or POND_INSIDE.
+    band : int
+        Spectral band: 0 visible, then infrared.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Scattering and absorption coefficients (1/m), Briegleb and Light (2007).
+    """
     extinction, albedo = ICE_EXTINCTION[kind, band], ICE_ALBEDO[kind, band]
     if kind >= POND_SURFACE:
         tuning = p.pond_scatter_tuning
@@ -114,7 +129,26 @@ def grain_place(radius):
 
 @jit
 def snow_optics(radius, row, share, band, p):
-    """Extinction (1/m), albedo and asymmetry of snow of a grain radius (um)."""
+    """Extinction (1/m), albedo and asymmetry of snow of a grain radius (um).
+
+    Parameters
+    ----------
+    radius : float
+        Of the grains (um).
+    row : int
+        Row of the tables with the next smaller grains.
+    share : float
+        Weight of the row after it.
+    band : int
+        Spectral band: 0 visible, then infrared.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Extinction coefficient (1/m), single-scattering albedo, asymmetry parameter.
+    """
     below, above = 1.0 - share, share
     efficiency = SNOW_EFFICIENCY[row, band] * below + SNOW_EFFICIENCY[row + 1, band] * above
     albedo = SNOW_ALBEDO[row, band] * below + SNOW_ALBEDO[row + 1, band] * above
@@ -125,7 +159,20 @@ def snow_optics(radius, row, share, band, p):
 
 @jit
 def snow_grains(surface, p):
-    """Radius of snow grains (um) by the temperature of the surface (degC)."""
+    """Radius of snow grains (um) by the temperature of the surface (degC).
+
+    Parameters
+    ----------
+    surface : float
+        Temperature of the surface (degC).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        um.
+    """
     warm = min(max(1.0 + surface / p.grain_warming, 0.0), 1.0)
     cold = min(max(500.0 - 250.0 * p.snow_grain_tuning, p.fresh_grain), p.melting_grain)
     return cold + (p.melting_grain - cold) * warm

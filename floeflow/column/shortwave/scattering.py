@@ -84,7 +84,20 @@ class Rays(NamedTuple):
 
 @jit_making
 def new_rays(layers, media):
-    """Return work arrays for snow and ice of so many layers, with two more that scatter."""
+    """Return work arrays for snow and ice of so many layers, with two more that scatter.
+
+    Parameters
+    ----------
+    layers : int
+        Of snow and ice together.
+    media : int
+        Number of scattering media.
+
+    Returns
+    -------
+    Rays
+        Zeros.
+    """
     m = layers + 3
     return Rays(
         np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(m),
@@ -158,6 +171,19 @@ def scatter(r, k, m, thick, sun):
     """Set what layer k of medium m and a thickness (m) reflects and transmits (eqs. 4 and 5).
 
     ``sun`` is the cosine of the beam's direction in the layer.
+
+    Parameters
+    ----------
+    r : Rays
+        Work arrays; those of the layer are set.
+    k : int
+        Layer, from the top.
+    m : int
+        Row of the medium.
+    thick : float
+        Thickness of the layer (m).
+    sun : float
+        Cosine of the beam's angle from the vertical in the layer.
     """
     row = r.media[m]
     depth, u = thick * row[EXTINCTION], row[U]
@@ -189,7 +215,15 @@ def scatter(r, k, m, thick, sun):
 
 @jit
 def copy_layer(r, k):
-    """Layer k is like the one above it."""
+    """Layer k is like the one above it.
+
+    Parameters
+    ----------
+    r : Rays
+        Work arrays; those of the layer are set.
+    k : int
+        Layer, from the top.
+    """
     r.beam[k], r.beam_back[k], r.beam_on[k] = r.beam[k - 1], r.beam_back[k - 1], r.beam_on[k - 1]
     r.back[k] = r.back_below[k] = r.back[k - 1]
     r.on[k] = r.on_below[k] = r.on[k - 1]
@@ -203,7 +237,19 @@ def refracted(sun):
 
 @jit
 def refract(r, k, sun, inner):
-    """Put a refracting surface on top of layer k (eqs. 6 and 7)."""
+    """Put a refracting surface on top of layer k (eqs. 6 and 7).
+
+    Parameters
+    ----------
+    r : Rays
+        Work arrays; those of the layer are set.
+    k : int
+        Layer, from the top.
+    sun : float
+        Cosine of the beam's angle from the vertical above and below the surface.
+    inner : float
+        Cosine of the beam's angle from the vertical above and below the surface.
+    """
     across, along = sun + REFRACTION * inner, REFRACTION * sun + inner
     r1, r2 = (sun - REFRACTION * inner) / across, (REFRACTION * sun - inner) / along
     t1, t2 = 2.0 * sun / across, 2.0 * sun / along
@@ -223,7 +269,15 @@ def refract(r, k, sun, inner):
 
 @jit
 def pass_down(r, k):
-    """Transmission from the top to the interface below layer k (eq. 8)."""
+    """Transmission from the top to the interface below layer k (eq. 8).
+
+    Parameters
+    ----------
+    r : Rays
+        Work arrays; those of the interface below the layer are set.
+    k : int
+        Layer, from the top.
+    """
     again = 1.0 / (1.0 - r.back_above[k] * r.back[k])
     scattered = r.total[k] - r.direct[k]
     reflected = r.direct[k] * r.beam_back[k]

@@ -85,7 +85,24 @@ def solve_temperatures(w, first, surface, bottom, forcing, dt, p):
 
 @jit
 def closed(w, top, found, dt):
-    """Let the bottom flux close the energy of the layers (theory, eq. 14)."""
+    """Let the bottom flux close the energy of the layers (theory, eq. 14).
+
+    Parameters
+    ----------
+    w : Profile
+        Layers after the solution.
+    top : int
+        Uppermost layer that counts.
+    found : Balance
+        Whose flux at the bottom is not set yet.
+    dt : float
+        Time step (s).
+
+    Returns
+    -------
+    Balance
+        With the flux out of the bottom (W/m2).
+    """
     rest = found.top
     for k in range(top, w.thickness.size):
         gain = w.thickness[k] * (w.enthalpy[k] - w.first_enthalpy[k]) / dt
@@ -97,7 +114,32 @@ def closed(w, top, found, dt):
 
 @jit
 def iterate(w, top, first, surface, bottom, forcing, dt, p):
-    """Repeat linear solves until surface and fluxes stand still; sweeps < 0 where they do not."""
+    """Repeat linear solves until surface and fluxes stand still; sweeps < 0 where they do not.
+
+    Parameters
+    ----------
+    w : Profile
+        Its temperature and enthalpy are advanced; its conductances may be reduced.
+    top : int
+        Uppermost layer that counts.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    surface : float
+        Temperature of the surface at the start, and of the bottom (degC).
+    bottom : float
+        Temperature of the surface at the start, and of the bottom (degC).
+    forcing : SurfaceForcing
+        Of the surface.
+    dt : float
+        Time step (s).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    Balance
+        Its ``sweeps`` is -1 where ``p.iterations`` solves were not enough.
+    """
     last_change = 0.0
     start = surface
     for sweep in range(1, p.iterations + 1):
@@ -153,7 +195,24 @@ def iterate(w, top, first, surface, bottom, forcing, dt, p):
 
 @jit
 def capacity(w, layer, first, p):
-    """Heat capacity (J/m3/K) between the first and the present temperature (theory, eq. 2)."""
+    """Heat capacity (J/m3/K) between the first and the present temperature (theory, eq. 2).
+
+    Parameters
+    ----------
+    w : Profile
+        Layers of the category.
+    layer : int
+        Row of the layer.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        Temperatures in degC; snow and fresh ice have a constant one.
+    """
     if layer < first:
         return p.snow_density * p.heat_ice
     melting = w.melting[layer]
@@ -165,7 +224,26 @@ def capacity(w, layer, first, p):
 
 @jit
 def update(w, top, first, average, p):
-    """Take the solution into the profile, none above melting; returns what was cut (J/m2)."""
+    """Take the solution into the profile, none above melting; returns what was cut (J/m2).
+
+    Parameters
+    ----------
+    w : Profile
+        Its temperature and enthalpy are set; ``edges`` tells what was cut of each layer (J/m3).
+    top : int
+        Uppermost layer that counts.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    average : float
+        Share of the last temperatures in the new ones, 0 or 0.5.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        Energy above the melting points (J/m2).
+    """
     excess = 0.0
     for layer in range(top, w.thickness.size):
         temperature = w.solution[layer - top + 1]
@@ -194,6 +272,17 @@ def throttle(w, first, error, scale):
     """Let layers that would pass their melting point conduct less.
 
     Heat that a layer cannot take stays above it, instead of passing through to the bottom.
+
+    Parameters
+    ----------
+    w : Profile
+        Layers after `update`; their conductances are reduced.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    error : float
+        Difference of the flux at the bottom from that which closes the energy (W/m2).
+    scale : float
+        Flux through the surface less that through the bottom (W/m2).
     """
     share = max(0.5 * (1.0 - error / scale), 0.1) if scale > 0.0 else 0.1
     for layer in range(first, w.thickness.size):

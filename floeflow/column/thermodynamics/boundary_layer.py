@@ -125,6 +125,20 @@ def surface_balance(temperature, forcing, p):
 
     Light absorbed at the surface, long-wave, sensible, latent (theory, eq. 8), at a temperature
     (degC) under a `SurfaceForcing`.
+
+    Parameters
+    ----------
+    temperature : float
+        Of the surface (degC).
+    forcing : SurfaceForcing
+        Light, air and transfer coefficients.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Net flux (W/m2), its derivative (W/m2/K), latent heat (W/m2), its derivative (W/m2/K).
     """
     air, sensible, latent = forcing.air, forcing.sensible, forcing.latent
     kelvin = temperature + KELVIN
@@ -139,7 +153,24 @@ def surface_balance(temperature, forcing, p):
 
 @jit
 def sea_balance(temperature, light, air, p):
-    """Fluxes into open water and its latent heat (W/m2), black to long waves (theory, eq. 25)."""
+    """Fluxes into open water and its latent heat (W/m2), black to long waves (theory, eq. 25).
+
+    Parameters
+    ----------
+    temperature : float
+        Of the water (degC).
+    light : float
+        Short-wave radiation that the water absorbs (W/m2).
+    air : Air
+        Above it.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Net flux and latent heat (W/m2 of open water).
+    """
     kelvin = temperature + KELVIN
     sensible, latent = transfer(temperature, air, True, p)
     humidity = p.vapour_sea * math.exp(-p.vapour_sea_exponent / kelvin) / air.density

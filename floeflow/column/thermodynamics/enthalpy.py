@@ -45,7 +45,22 @@ def salinity_profile(layers: int, p: Physics) -> NDArray[np.float64]:
 
 @jit
 def ice_enthalpy(temperature, melting, p):
-    """Enthalpy (J/m3) of ice at a temperature (degC) (Bitz and Lipscomb 1999; theory, eq. 3)."""
+    """Enthalpy (J/m3) of ice at a temperature (degC) (Bitz and Lipscomb 1999; theory, eq. 3).
+
+    Parameters
+    ----------
+    temperature : float
+        degC, at most ``melting``, which is below 0 unless the ice is fresh.
+    melting : float
+        Melting point of the layer (degC).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        J/m3, negative.
+    """
     brine = 0.0 if melting == 0.0 else melting / temperature
     return -p.ice_density * (
         p.heat_ice * (melting - temperature) + p.fusion * (1.0 - brine) - p.heat_water * melting
@@ -57,6 +72,20 @@ def ice_temperature(enthalpy, melting, p):
     """Temperature (degC) of ice of an enthalpy (J/m3), at most ``melting``.
 
     Inverse of the enthalpy (theory, eq. 4) in a form that loses no digits at either end.
+
+    Parameters
+    ----------
+    enthalpy : float
+        J/m3.
+    melting : float
+        Melting point of the layer (degC).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        degC.
     """
     a = p.heat_ice
     b = (p.heat_water - p.heat_ice) * melting - enthalpy / p.ice_density - p.fusion
@@ -66,7 +95,22 @@ def ice_temperature(enthalpy, melting, p):
 
 @jit
 def negative_root(a, b, c):
-    """Lower root of a x**2 + b x + c with a > 0 and c <= 0, at most zero."""
+    """Lower root of a x**2 + b x + c with a > 0 and c <= 0, at most zero.
+
+    Parameters
+    ----------
+    a : float
+        Coefficients.
+    b : float
+        Coefficients.
+    c : float
+        Coefficients.
+
+    Returns
+    -------
+    float
+        The root.
+    """
     root = math.sqrt(b * b - 4.0 * a * c)
     if b > 0.0:
         return -(b + root) / (2.0 * a)
@@ -75,13 +119,39 @@ def negative_root(a, b, c):
 
 @jit
 def snow_temperature(enthalpy, p):
-    """Temperature (degC) of snow of an enthalpy (J/m3), at most zero."""
+    """Temperature (degC) of snow of an enthalpy (J/m3), at most zero.
+
+    Parameters
+    ----------
+    enthalpy : float
+        J/m3.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        degC.
+    """
     return min((p.fusion + enthalpy / p.snow_density) / p.heat_ice, 0.0)
 
 
 @jit
 def snow_enthalpy(temperature, p):
-    """Enthalpy (J/m3) of snow at a temperature (degC)."""
+    """Enthalpy (J/m3) of snow at a temperature (degC).
+
+    Parameters
+    ----------
+    temperature : float
+        degC.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        J/m3, negative.
+    """
     return -p.snow_density * (p.fusion - p.heat_ice * temperature)
 
 
@@ -90,6 +160,20 @@ def ice_conductivity(temperature, salinity, p):
     """Conductivity (W/m/K) of ice.
 
     Pringle et al. (2007), "bubbly", or Maykut and Untersteiner (1971); theory, eq. 5.
+
+    Parameters
+    ----------
+    temperature : float
+        degC.
+    salinity : float
+        1e-3.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        W/m/K, at least ``p.least_conductivity``.
     """
     brine = salinity / min(-TINY, temperature)
     if p.bubbly:

@@ -33,7 +33,7 @@ class Change(NamedTuple):
     snowfall, drowned : float
         Snow fallen; snow whose ice went, which the sea melts (m of snow).
     spare : float
-        Energy that found nothing to melt, less what the sea pays for drowned snow (J/m2).
+        Energy that found nothing to melt, less what melts drowned snow in the sea (J/m2).
     salt : float
         Gained by mush in growth and melt (1e-3 m).
     """
@@ -130,6 +130,22 @@ def remove(w, k, energy, enthalpy):
     """Take from layer k what energy (J/m2) removes at an enthalpy (J/m3); thickness and rest.
 
     A layer without ice to melt (mush all of brine) goes whole.
+
+    Parameters
+    ----------
+    w : Profile
+        Its layer's thickness is reduced.
+    k : int
+        Row of the layer.
+    energy : float
+        To be used (J/m2).
+    enthalpy : float
+        Of what is removed, negative (J/m3).
+
+    Returns
+    -------
+    tuple of float
+        Thickness removed (m), and energy left (J/m2).
     """
     if w.thickness[k] <= 0.0 or (energy <= 0.0 and enthalpy < 0.0):
         return 0.0, energy
@@ -144,7 +160,22 @@ def remove(w, k, energy, enthalpy):
 
 @jit
 def melt_inside(w, k, p):
-    """Melt of snow layer k what light has warmed past melting; thickness melted (m)."""
+    """Melt of snow layer k what light has warmed past melting; thickness melted (m).
+
+    Parameters
+    ----------
+    w : Profile
+        Thickness and enthalpy of its layer are changed.
+    k : int
+        Row of the snow layer.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        m of snow.
+    """
     frozen = -p.snow_density * p.fusion
     if w.enthalpy[k] <= frozen:
         return 0.0
@@ -156,7 +187,24 @@ def melt_inside(w, k, p):
 
 @jit
 def settle_hoar(w, first, energy, p):
-    """Add condensed vapour at the enthalpy of the top (theory, eq. 15); ice, snow added (m)."""
+    """Add condensed vapour at the enthalpy of the top (theory, eq. 15); ice, snow added (m).
+
+    Parameters
+    ----------
+    w : Profile
+        Its uppermost layer grows.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    energy : float
+        Latent heat of the vapour that condenses (J/m2).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Ice and snow added (m).
+    """
     snow = 0.0
     for k in range(first):
         snow += w.thickness[k]
@@ -178,6 +226,24 @@ def freeze_on(w, energy, bottom, sea_salinity, p):
     but at least half the enthalpy of fresh ice, in case these are close. New mush has the sea's
     salinity and temperature; a part of it must freeze, the rest comes as it is (Turner et al. 2013;
     theory of the mushy column, eq. 13).
+
+    Parameters
+    ----------
+    w : Profile
+        Its lowest layer grows.
+    energy : float
+        Taken from the bottom (J/m2).
+    bottom : float
+        Temperature of the water (degC).
+    sea_salinity : float
+        1e-3.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Thickness gained (m), and energy that the water brought along (J/m2).
     """
     if energy <= 0.0:
         return 0.0, 0.0
@@ -203,7 +269,24 @@ def freeze_on(w, energy, bottom, sea_salinity, p):
 
 @jit
 def snow_on(w, first, fallen, p):
-    """Add snow at its melting point to the top snow layer; thickness added (m)."""
+    """Add snow at its melting point to the top snow layer; thickness added (m).
+
+    Parameters
+    ----------
+    w : Profile
+        Its uppermost layer grows.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    fallen : float
+        Fresh snow (m).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        m of snow; 0 where there are no snow layers.
+    """
     if fallen <= 0.0 or first == 0:
         return 0.0
     total = w.thickness[0] + fallen
@@ -215,7 +298,23 @@ def snow_on(w, first, fallen, p):
 
 @jit
 def settle(w, first, p):
-    """Flood, even out; ice, snow, snow-ice and drowned snow (m), energy of the latter (J/m2)."""
+    """Flood, even out; ice, snow, snow-ice and drowned snow (m), energy of the latter (J/m2).
+
+    Parameters
+    ----------
+    w : Profile
+        Layers after growth and melt; made equally thick.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Thickness of ice and of snow (m), ice made of flooded snow (m), snow whose ice is gone (m),
+        its energy (J/m2).
+    """
     ice = snow = 0.0
     for k in range(w.thickness.size):
         if k < first:

@@ -14,6 +14,22 @@ def even_out(w, begin, end, salty):
 
     A new layer takes the energy, and where ``salty`` the salt, of what lies within its bounds
     (theory, eq. 19).
+
+    Parameters
+    ----------
+    w : Profile
+        Thickness, enthalpy and where ``salty`` salinity of the layers are set.
+    begin : int
+        First layer, and the one after the last.
+    end : int
+        First layer, and the one after the last.
+    salty : bool
+        Mush, whose salinity moves with it.
+
+    Returns
+    -------
+    float
+        m.
     """
     total = 0.0
     w.edges[begin] = 0.0
@@ -30,7 +46,21 @@ def even_out(w, begin, end, salty):
 
 @jit
 def share(values, w, begin, end, total):
-    """Average a quantity per volume over equal parts of the layers between ``w.edges``."""
+    """Average a quantity per volume over equal parts of the layers between ``w.edges``.
+
+    Parameters
+    ----------
+    values : ndarray
+        J/m3 or 1e-3, (z,); changed.
+    w : Profile
+        Its ``edges`` are the depths of the old layers (m); its ``solution`` is overwritten.
+    begin : int
+        First layer, and the one after the last.
+    end : int
+        First layer, and the one after the last.
+    total : float
+        Thickness of these layers (m).
+    """
     if total <= 0.0:
         values[begin:end] = 0.0
         return
@@ -58,6 +88,24 @@ def flood(w, first, ice, snow, p):
 
     Archimedes' balance of Leppaeranta (1983); theory, eq. 18. The mass of the snow becomes ice,
     its salt is not counted.
+
+    Parameters
+    ----------
+    w : Profile
+        Thickness and enthalpy of snow and of the uppermost ice layer are changed.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    ice : float
+        Thickness of the ice and depth of the snow (m).
+    snow : float
+        Thickness of the ice and depth of the snow (m).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        m of ice.
     """
     deep = snow - ice * (p.water_density - p.ice_density) / p.snow_density
     if not (deep > TINY and snow > TINY):
@@ -84,6 +132,24 @@ def flood_mush(w, first, bottom, sea_salinity, p):
 
     Turner, Hunke and Bitz (2013); theory of the mushy column, eq. 15. The pores of the snow take
     sea water with its energy and salt, and the flooded snow becomes mush on top of the ice.
+
+    Parameters
+    ----------
+    w : Profile
+        Its layers; flooded snow becomes mush.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    bottom : float
+        Temperature of the sea (degC).
+    sea_salinity : float
+        1e-3.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Ice gained (m), energy (J/m2) and salt (1e-3 m) taken from the sea.
     """
     snow = weight = ice = 0.0
     for k in range(first):
@@ -119,7 +185,21 @@ def flood_mush(w, first, bottom, sea_salinity, p):
 
 @jit
 def lay_on(values, w, first, gain, new):
-    """Put ice of thickness gain (m) and a value on top of equal ice layers; equal layers again."""
+    """Put ice of thickness gain (m) and a value on top of equal ice layers; equal layers again.
+
+    Parameters
+    ----------
+    values : ndarray
+        J/m3 or 1e-3, (z,); those of ice are changed.
+    w : Profile
+        Its ice layers are equally thick, before the gain; its ``solution`` is overwritten.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    gain : float
+        Thickness that is added (m).
+    new : float
+        Value of what is added.
+    """
     z = w.thickness.size
     old = w.thickness[first]
     thick = old + gain / (z - first)

@@ -40,7 +40,20 @@ def liquidus(salinity):
 
 @jit
 def liquid_fraction(temperature, salinity):
-    """Volume share of brine (eq. 2)."""
+    """Volume share of brine (eq. 2).
+
+    Parameters
+    ----------
+    temperature : float
+        degC.
+    salinity : float
+        Bulk salinity of the mush (1e-3).
+
+    Returns
+    -------
+    float
+        0 to 1.
+    """
     return salinity / max(max(brine_salinity(temperature), TINY), salinity)
 
 
@@ -52,20 +65,61 @@ def brine_density(salinity):
 
 @jit
 def brine_enthalpy(temperature, p):
-    """Enthalpy (J/m3) of brine or of the sea."""
+    """Enthalpy (J/m3) of brine or of the sea.
+
+    Parameters
+    ----------
+    temperature : float
+        degC.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        J/m3, counted from water at 0 degC.
+    """
     return p.heat_water * p.water_density * temperature
 
 
 @jit
 def mush_enthalpy(temperature, liquid, p):
-    """Enthalpy (J/m3) of mush of a liquid fraction (eq. 4)."""
+    """Enthalpy (J/m3) of mush of a liquid fraction (eq. 4).
+
+    Parameters
+    ----------
+    temperature : float
+        degC.
+    liquid : float
+        Volume share of brine.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        J/m3.
+    """
     ice = p.heat_ice * temperature - p.fusion
     return liquid * brine_enthalpy(temperature, p) + (1.0 - liquid) * p.ice_density * ice
 
 
 @jit
 def melted_enthalpy(salinity, p):
-    """Enthalpy (J/m3) at which the last ice of mush of a bulk salinity melts."""
+    """Enthalpy (J/m3) at which the last ice of mush of a bulk salinity melts.
+
+    Parameters
+    ----------
+    salinity : float
+        Bulk salinity of the mush (1e-3).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        J/m3.
+    """
     return brine_enthalpy(liquidus(salinity), p)
 
 
@@ -75,6 +129,20 @@ def mush_temperature(enthalpy, salinity, p):
 
     Root of eq. 4 with the liquid fraction of eqs. 1 and 2 in the piece of the liquidus where it
     lies.
+
+    Parameters
+    ----------
+    enthalpy : float
+        J/m3.
+    salinity : float
+        Bulk salinity of the mush (1e-3).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        degC.
     """
     if enthalpy > melted_enthalpy(salinity, p):
         return enthalpy / (p.heat_water * p.water_density)
@@ -96,7 +164,22 @@ def mush_temperature(enthalpy, salinity, p):
 
 @jit
 def mush_conductivity(temperature, salinity, p):
-    """Conductivity (W/m/K) of mush (eq. 5)."""
+    """Conductivity (W/m/K) of mush (eq. 5).
+
+    Parameters
+    ----------
+    temperature : float
+        degC.
+    salinity : float
+        Bulk salinity of the mush (1e-3).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    float
+        W/m/K.
+    """
     liquid = liquid_fraction(temperature, salinity)
     contrast = p.mush_brine_conductivity - p.mush_ice_conductivity
     return p.mush_ice_conductivity + liquid * contrast

@@ -35,6 +35,31 @@ def solve_mush(w, first, surface, water, forcing, pond, dt, p):
     ice, and ``pond``: depth (m) and share of the ice. The second is heat that goes to the sea
     (W/m2), the third the salt that the ice gained (1e-3 m), negative; the last the speed of
     flushing (m/s).
+
+    Parameters
+    ----------
+    w : Profile
+        Its temperature, enthalpy and salinity are advanced.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    surface : float
+        Temperature of the surface at the start (degC).
+    water : Water
+        Under the ice.
+    forcing : SurfaceForcing
+        Of the surface.
+    pond : tuple of float
+        Depth of the pond (m), and its share of the ice.
+    dt : float
+        Time step (s).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of Balance and float
+        Fluxes and temperature of the surface; heat that brine carries to the sea (W/m2); salt
+        gained (1e-3 m, negative: lost); speed of flushing (m/s).
     """
     bottom = water.freezing
     z = w.thickness.size
@@ -95,6 +120,13 @@ def eliminate(w, rows):
 
     Each is left as a linear function of the one above it, the first of the surface: its constant in
     ``w.right``, its factor in ``w.lower``. The surface then is one equation for one unknown.
+
+    Parameters
+    ----------
+    w : Profile
+        Its tridiagonal system; ``right`` and ``lower`` are overwritten.
+    rows : int
+        Number of rows, that of the surface included.
     """
     right = factor = 0.0
     for row in range(rows - 1, 0, -1):
@@ -109,6 +141,26 @@ def settle_surface(w, top, cold, surface, forcing, p):
     """Solve for a surface that is cold, or for one that is kept at its temperature.
 
     A cold surface may come out above melting.
+
+    Parameters
+    ----------
+    w : Profile
+        After `eliminate`.
+    top : int
+        Uppermost layer that counts.
+    cold : bool
+        The temperature of the surface is sought, else it is kept.
+    surface : float
+        First guess, or the temperature that is kept (degC).
+    forcing : SurfaceForcing
+        Of the surface.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    Balance
+        Without the flux at the bottom.
     """
     change, sweeps = 1.0, 0
     net = latent = 0.0
@@ -131,7 +183,27 @@ def settle_surface(w, top, cold, surface, forcing, p):
 
 @jit
 def fill_mush(w, top, k, first, bottom, sinks, dt, p):
-    """Row of a layer: storage, conduction, exchange of brine upward and flushing (eqs. 10, 11)."""
+    """Row of a layer: storage, conduction, exchange of brine upward and flushing (eqs. 10, 11).
+
+    Parameters
+    ----------
+    w : Profile
+        The row of its tridiagonal system is set.
+    top : int
+        Uppermost layer that counts.
+    k : int
+        Layer.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    bottom : float
+        Temperature of the water (degC).
+    sinks : float
+        Speed of flushing, downward (m/s).
+    dt : float
+        Time step (s).
+    p : Physics
+        Constants.
+    """
     row, z = k - top + 1, w.thickness.size
     per_time = w.thickness[k] / dt
     exchange = flushed = 0.0
@@ -155,7 +227,26 @@ def fill_mush(w, top, k, first, bottom, sinks, dt, p):
 
 @jit
 def desalinate(w, first, sea_salinity, sinks, dt):
-    """Exchange salt with brine below, drain slowly, flush (eq. 12); salt gained (1e-3 m)."""
+    """Exchange salt with brine below, drain slowly, flush (eq. 12); salt gained (1e-3 m).
+
+    Parameters
+    ----------
+    w : Profile
+        The salinity of its ice is changed.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    sea_salinity : float
+        1e-3.
+    sinks : float
+        Speed of flushing, downward (m/s).
+    dt : float
+        Time step (s).
+
+    Returns
+    -------
+    float
+        Negative: lost to the sea.
+    """
     z = w.thickness.size
     gained = above = 0.0
     for k in range(first, z):

@@ -29,6 +29,30 @@ def newton(w, top, first, surface, bottom, forcing, dt, p):
 
     Arguments as `bl99.solve_temperatures`; ``top`` is the uppermost layer that counts. What is left
     is 0 where the temperatures stand still, else their last change, or not a number.
+
+    Parameters
+    ----------
+    w : Profile
+        Its temperature and enthalpy are advanced.
+    top : int
+        Uppermost layer that counts.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    surface : float
+        Temperature of the surface at the start, and of the bottom (degC).
+    bottom : float
+        Temperature of the surface at the start, and of the bottom (degC).
+    forcing : SurfaceForcing
+        Of the surface.
+    dt : float
+        Time step (s).
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float and int
+        Temperature of the surface (degC), number of steps, what is left (K).
     """
     z = w.thickness.size
     for layer in range(top, z):
@@ -70,7 +94,24 @@ def newton(w, top, first, surface, bottom, forcing, dt, p):
 
 @jit
 def continued(w, layer, first, p):
-    """Enthalpy (J/m3) and its slope (J/m3/K), convex also above the melting point."""
+    """Enthalpy (J/m3) and its slope (J/m3/K), convex also above the melting point.
+
+    Parameters
+    ----------
+    w : Profile
+        Layers of the category.
+    layer : int
+        Row of the layer.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Enthalpy and slope.
+    """
     temperature, melting = w.temperature[layer], w.melting[layer]
     below = min(temperature, melting)
     if layer < first:

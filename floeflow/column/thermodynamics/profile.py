@@ -73,7 +73,22 @@ class Profile(NamedTuple):
 
 @jit_making
 def new_profile(salinity, snow_layers, constants):
-    """Scratch for ice of a salinity profile (1e-3, top first) under some snow layers."""
+    """Scratch for ice of a salinity profile (1e-3, top first) under some snow layers.
+
+    Parameters
+    ----------
+    salinity : ndarray
+        Of the ice's layers, top first (1e-3), (layers,).
+    snow_layers : int
+        Number of snow layers.
+    constants : ndarray
+        Record of `Physics`, (1,).
+
+    Returns
+    -------
+    Profile
+        Salinities and melting points set, the rest zeros.
+    """
     z = salinity.size + snow_layers
     salt = np.zeros(z)
     salt[snow_layers:] = salinity
@@ -102,7 +117,25 @@ def new_profile(salinity, snow_layers, constants):
 
 @jit
 def fill(w, ice, snow, ice_enthalpies, snow_enthalpies, salinities, p):
-    """Take thicknesses (m), enthalpies (J/m3) and of mush salinities into the profile."""
+    """Take thicknesses (m), enthalpies (J/m3) and of mush salinities into the profile.
+
+    Parameters
+    ----------
+    w : Profile
+        Thickness, enthalpy and temperature are set; of mush salinity too.
+    ice : float
+        Thickness of the ice and depth of the snow (m).
+    snow : float
+        Thickness of the ice and depth of the snow (m).
+    ice_enthalpies : ndarray
+        J/m3, (layers,).
+    snow_enthalpies : ndarray
+        J/m3, (layers,).
+    salinities : ndarray
+        Of mush (1e-3), (layers,).
+    p : Physics
+        Constants.
+    """
     first = snow_enthalpies.size
     for k in range(w.thickness.size):
         if k < first:
@@ -127,6 +160,17 @@ def conductances(w, top, first, p):
 
     Two half layers in series (Bitz and Lipscomb 1999; theory, eq. 7); half a layer at either end.
     Layers above ``top`` are snow too thin to count.
+
+    Parameters
+    ----------
+    w : Profile
+        Its ``conductance`` (W/m2/K) is set.
+    top : int
+        Uppermost layer that counts.
+    first : int
+        Number of snow layers, which is the row of the uppermost ice layer.
+    p : Physics
+        Constants.
     """
     z = w.thickness.size
     w.conductance[:top] = 0.0

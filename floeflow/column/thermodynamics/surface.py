@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The surface of ice, snow and leads: albedo, turbulent fluxes, radiation and their balance.
+"""The surface of zero-layer ice and of leads beside it: albedo, fluxes and their balance.
 
-Shared by all schemes. Nothing here knows what lies below the surface but for the conductance to
-the freezing bottom that the balance is given.
+Constant transfer coefficients (Maykut and Untersteiner 1971; Parkinson and Washington 1979). Of
+what lies below the surface only the conductance to the freezing bottom is used. Layered ice has
+`boundary_layer.py` and `floeflow.column.shortwave`.
 """
 
 from __future__ import annotations

@@ -9,7 +9,21 @@ from floeflow.column.physics import jit
 
 @jit
 def fill_surface(w, top, temperature, net, slope):
-    """Row 0: the linearised surface balance with the layer below (theory, eq. 8)."""
+    """Row 0: the linearised surface balance with the layer below (theory, eq. 8).
+
+    Parameters
+    ----------
+    w : Profile
+        Row 0 of its system is set.
+    top : int
+        Uppermost layer that counts.
+    temperature : float
+        Of the surface, around which is linearised (degC).
+    net : float
+        Flux into the surface (W/m2), and its derivative (W/m2/K).
+    slope : float
+        Flux into the surface (W/m2), and its derivative (W/m2/K).
+    """
     w.diagonal[0] = slope - w.conductance[top]
     w.upper[0] = w.conductance[top]
     w.right[0] = slope * temperature - net
@@ -21,6 +35,23 @@ def fill_layer(w, top, layer, capacity, start, bottom, dt):
 
     ``start`` is the temperature from which light and conduction take it (degC), ``bottom`` that of
     the ice's bottom.
+
+    Parameters
+    ----------
+    w : Profile
+        The row of its system is set.
+    top : int
+        Uppermost layer that counts.
+    layer : int
+        Row of the layer in the profile.
+    capacity : float
+        Heat capacity (J/m3/K).
+    start : float
+        Temperature from which light and conduction take the layer (degC).
+    bottom : float
+        Temperature of the ice's bottom (degC).
+    dt : float
+        Time step (s).
     """
     k, row, z = w.conductance, layer - top + 1, w.thickness.size
     step = dt / (w.thickness[layer] * capacity)
@@ -34,7 +65,17 @@ def fill_layer(w, top, layer, capacity, start, bottom, dt):
 
 @jit
 def solve(w, begin, end):
-    """Eliminate rows begin to end - 1 (Thomas); the right side is overwritten."""
+    """Eliminate rows begin to end - 1 (Thomas); the right side is overwritten.
+
+    Parameters
+    ----------
+    w : Profile
+        Its ``solution`` is set, its ``right`` overwritten.
+    begin : int
+        First row, and the one after the last.
+    end : int
+        First row, and the one after the last.
+    """
     pivot = w.diagonal[begin]
     w.solution[begin] = w.right[begin] / pivot
     for row in range(begin + 1, end):

@@ -76,6 +76,19 @@ def step_with_sea(
     A mixed layer takes what air and ice give it and keeps it: `energy_to_ocean` is zero then, and
     `energy_ocean` is what comes from below the layer.
 
+    Parameters
+    ----------
+    state : ColumnState
+        Columns at the start, (n, ncat).
+    sea : Sea or None
+        Mixed layer at the start, (n,).
+    forcing : ColumnForcing
+        Mean weather of the step, (n,).
+    dt : float
+        s.
+    params : ColumnParams
+        Constants.
+
     Raises
     ------
     FloeError
@@ -99,7 +112,7 @@ def step_with_sea(
     vertical = _top_and_bottom(state, area, bottom, forcing, dt, params)
     exists = vertical.ice > 0.0
     area = np.where(exists, area, 0.0)
-    # Snow whose ice is gone melts in the sea, which pays for it.
+    # Snow whose ice is gone melts in the sea and takes its heat.
     drowned = np.where(exists, 0.0, vertical.snow)
     snow = vertical.snow - drowned
     to_sea = (vertical.spare - params.snow_energy * drowned).sum(axis=1)

@@ -46,6 +46,22 @@ def fit_line(area, thickness, low, high):
 
     Lipscomb (2001); theory, eq. 29. Outside the middle third of its bounds the mean thickness
     allows a line over part of the range only.
+
+    Parameters
+    ----------
+    area : float
+        Area fraction of the category.
+    thickness : float
+        Mean thickness (m).
+    low : float
+        Bounds of the category (m).
+    high : float
+        Bounds of the category (m).
+
+    Returns
+    -------
+    tuple of float
+        g0 (1/m), g1 (1/m2), and the range of the line, left and right (m).
     """
     if area <= TINY or high - low <= TINY:
         return 0.0, 0.0, 0.0, 0.0
@@ -102,7 +118,22 @@ def shifted_bounds(c, before, bounds, moved):
 
 @jit
 def growth_of(c, before, n):
-    """Thickness gained by category n in the step (m)."""
+    """Thickness gained by category n in the step (m).
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+    before : ndarray
+        Thickness at the start of the step (m), (ncat,).
+    n : int
+        Category.
+
+    Returns
+    -------
+    float
+        Negative: melt.
+    """
     return c.ice[n] / c.area[n] - before[n] if c.area[n] > TINY else 0.0
 
 
@@ -112,6 +143,17 @@ def lose_thin_area(c, before, bounds, moved):
 
     The volume stays, on what area is left, which is not made thicker than it was before. With
     growth the lower bound moves instead.
+
+    Parameters
+    ----------
+    c : Column
+        The area of its thinnest category is reduced.
+    before : ndarray
+        Thickness at the start of the step (m), (ncat,).
+    bounds : ndarray
+        Of the categories (m), (ncat + 1,).
+    moved : ndarray
+        Bounds that moved with the ice (m), (ncat + 1,); the lowest is set.
     """
     if c.area[0] <= TINY:
         return
@@ -129,7 +171,21 @@ def lose_thin_area(c, before, bounds, moved):
 
 @jit
 def transfers(c, bounds, moved, area, volume):
-    """Area and volume that cross each bound upward (negative: downward); theory, eq. 30."""
+    """Area and volume that cross each bound upward (negative: downward); theory, eq. 30.
+
+    Parameters
+    ----------
+    c : Column
+        After growth and melt.
+    bounds : ndarray
+        Of the categories (m), (ncat + 1,).
+    moved : ndarray
+        Bounds that moved with the ice (m), (ncat + 1,).
+    area : ndarray
+        Set: area fraction and volume (m) across the lower bound of each category, (ncat,).
+    volume : ndarray
+        Set: area fraction and volume (m) across the lower bound of each category, (ncat,).
+    """
     for n in range(1, c.area.size):
         area[n] = volume[n] = 0.0
         up = moved[n] > bounds[n]
@@ -187,6 +243,13 @@ def shift(c, s):
 
     Each takes the donor's snow and surface with the area, its energy with the volume, all as they
     were before any transfer (Lipscomb 2001).
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    s : Scratch
+        Transfers and work arrays.
     """
     last = c.area.size
     for n in range(last):
@@ -219,7 +282,23 @@ def shift(c, s):
 
 @jit
 def hand_over(c, s, donor, taker, area, volume):
-    """Move area and volume with all that they carry, in extensive quantities."""
+    """Move area and volume with all that they carry, in extensive quantities.
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    s : Scratch
+        Amounts of each category before the transfers; advanced.
+    donor : int
+        Category that gives, and the one that takes.
+    taker : int
+        Category that gives, and the one that takes.
+    area : float
+        Area fraction, and ice volume per area of the element (m).
+    volume : float
+        Area fraction, and ice volume per area of the element (m).
+    """
     snow = s.first_snow[donor] * (area / s.first_area[donor])
     flat = area * c.level[donor, LEVEL_AREA]
     pond = flat * c.level[donor, POND_AREA]
@@ -252,7 +331,21 @@ def hand_over(c, s, donor, taker, area, volume):
 
 @jit
 def move(amounts, donor, taker, kind, amount):
-    """Move an amount of one kind, no more than there is, from donor to taker."""
+    """Move an amount of one kind, no more than there is, from donor to taker.
+
+    Parameters
+    ----------
+    amounts : ndarray
+        (ncat, kinds); changed.
+    donor : int
+        Category that gives, and the one that takes.
+    taker : int
+        Category that gives, and the one that takes.
+    kind : int
+        Column of the kind.
+    amount : float
+        In the unit of the kind.
+    """
     amount = min(amount, amounts[donor, kind])
     amounts[donor, kind] -= amount
     amounts[taker, kind] += amount

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 # mypy: disable-error-code="no-untyped-def"
-"""Lateral melt, and what keeps the categories sound: area, bounds, no crumbs."""
+"""Lateral melt, and what keeps the categories sound: area, bounds, no traces of ice."""
 
 from __future__ import annotations
 
@@ -22,6 +22,20 @@ def melt_sides(c, side, sums):
     """Melt a share of every category; energy taken from the sea (J/m2).
 
     Thickness stays (Steele 1992; theory, eq. 21).
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    side : float
+        Share of the ice that melts, 0 to 1.
+    sums : ndarray
+        Budget terms, added to, (len(SUMS),).
+
+    Returns
+    -------
+    float
+        Not negative.
     """
     energy = 0.0
     if side <= 0.0:
@@ -43,6 +57,15 @@ def open_area(c, before, least):
 
     Half of the volume lost thins the ice and half opens water; ice thinner than ``least`` (m) gives
     up area until it is as thick.
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    before : float
+        Thickness at the start of the step (m).
+    least : float
+        Least thickness of the ice (m).
     """
     if c.area[0] <= 0.0:
         return
@@ -54,7 +77,17 @@ def open_area(c, before, least):
 
 @jit
 def rebin(c, s, bounds):
-    """Move categories whose ice has left their bounds to the neighbour, whole."""
+    """Move categories whose ice has left their bounds to the neighbour, whole.
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    s : Scratch
+        Work arrays.
+    bounds : ndarray
+        Of the categories (m), (ncat + 1,).
+    """
     last = c.area.size
     if c.area[0] > TINY and bounds[0] > 0.0 and c.ice[0] <= bounds[0] * c.area[0]:
         c.area[0] = c.ice[0] / bounds[0]
@@ -68,7 +101,19 @@ def rebin(c, s, bounds):
 
 @jit
 def merge(c, s, n, into):
-    """Put all of category n into another."""
+    """Put all of category n into another.
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    s : Scratch
+        Work arrays.
+    n : int
+        Category.
+    into : int
+        Category that takes it.
+    """
     area, ice, snow = c.area[n] + c.area[into], c.ice[n] + c.ice[into], c.snow[n] + c.snow[into]
     c.surface[into] = (c.surface[n] * c.area[n] + c.surface[into] * c.area[into]) / area
     for k in range(c.ice_enthalpy.shape[1]):
@@ -91,7 +136,17 @@ def merge(c, s, n, into):
 
 @jit
 def empty(c, n, temperature):
-    """Leave a category without ice."""
+    """Leave a category without ice.
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    n : int
+        Category.
+    temperature : float
+        Of the surface from now on (degC).
+    """
     c.area[n] = c.ice[n] = c.snow[n] = 0.0
     c.surface[n] = temperature
     c.ice_enthalpy[n, :] = 0.0
@@ -102,9 +157,23 @@ def empty(c, n, temperature):
 
 @jit
 def clear(c, freezing, sums):
-    """Melt crumbs in the sea, keep the area at most 1; energy taken from the sea (J/m2).
+    """Melt traces of ice in the sea, keep the area at most 1; energy taken from the sea (J/m2).
 
     What area is above 1 by round-off is given up by all, volumes stay.
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    freezing : float
+        Freezing point of the sea (degC).
+    sums : ndarray
+        Budget terms, added to, (len(SUMS),).
+
+    Returns
+    -------
+    float
+        Not negative.
     """
     total = energy = 0.0
     for n in range(c.area.size):

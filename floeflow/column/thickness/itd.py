@@ -34,7 +34,7 @@ from floeflow.column.thickness.category_cleanup import clear, rebin
 
 @jit
 def remap_some(columns, before, bounds, s, freezing, sums, p):
-    """Move ice of all elements between categories, and clear crumbs away.
+    """Move ice of all elements between categories, and melt traces of ice in the sea.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def remap_categories(
     state : ColumnState
         After the step.
     fluxes : ColumnFluxes
-        Of the step; crumbs that are cleared away melt in the sea, at its cost.
+        Of the step; traces of ice that are cleared away melt in the sea and cool it.
     bounds : ndarray
         Of the categories (m), (ncat + 1,).
     params : ColumnParams
@@ -119,7 +119,7 @@ def remap_categories(
         sums,
         as_records(Physics()),
     )
-    # Crumbs are told of by element: they count in the first category.
+    # Traces are summed by element: they count in the first category.
     ice, snow = np.zeros(shape[:2]), np.zeros(shape[:2])
     ice[:, 0], snow[:, 0] = sums[:, CLEARED_ICE], sums[:, MELT_SNOW]
     cost = (params.ice_energy * ice + params.snow_energy * snow)[:, 0]

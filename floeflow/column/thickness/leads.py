@@ -3,7 +3,8 @@
 """Leads without a mixed layer: water that stays at its freezing point.
 
 What the air and the deep give to open water melts the sides of the ice at once, what they take
-makes new ice at once (Hibler 1979). The ocean is a reservoir: it pays or keeps what is left over.
+makes new ice at once (Hibler 1979). The ocean is a reservoir: it gives what is missing and takes
+what is left over.
 """
 
 from __future__ import annotations

@@ -23,6 +23,18 @@ def frazil(sea_salinity, p):
 
     Fresh ice at its melting point, whose salinity is that of the fixed profile (here -1); mush of
     three quarters brine (Turner et al. 2013; theory of the mushy column, eq. 14).
+
+    Parameters
+    ----------
+    sea_salinity : float
+        1e-3.
+    p : Physics
+        Constants.
+
+    Returns
+    -------
+    tuple of float
+        Enthalpy and salinity.
     """
     if not p.mushy:
         return -p.ice_density * p.fusion, -1.0
@@ -102,7 +114,23 @@ def freeze_leads(c, s, energy, water, w, bounds, sums, p):
 
 @jit
 def thicken(c, n, volume, enthalpy, salinity, w):
-    """Mix new ice into all layers of category n."""
+    """Mix new ice into all layers of category n.
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    n : int
+        Category.
+    volume : float
+        Of the new ice per area of the element (m).
+    enthalpy : float
+        Of the new ice (J/m3).
+    salinity : float
+        Of the new ice (1e-3); negative: that of the fixed profile.
+    w : Profile
+        With the fixed profile of salinity.
+    """
     total = c.ice[n] + volume
     if volume <= 0.0 or total <= 0.0:
         return
@@ -116,7 +144,23 @@ def thicken(c, n, volume, enthalpy, salinity, w):
 
 @jit
 def add_below(c, s, n, volume, enthalpy, salinity):
-    """Put new ice under category n and make its layers equal again."""
+    """Put new ice under category n and make its layers equal again.
+
+    Parameters
+    ----------
+    c : Column
+        Advanced.
+    s : Scratch
+        Work arrays.
+    n : int
+        Category.
+    volume : float
+        Of the new ice per area of the element (m).
+    enthalpy : float
+        Of the new ice (J/m3; 1e-3).
+    salinity : float
+        Of the new ice (J/m3; 1e-3).
+    """
     if volume <= 0.0 or c.ice[n] <= 0.0:
         return
     before, layers = c.ice[n], c.ice_enthalpy.shape[1]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Closing of the elements in the terms of their columns, and what the sea pays for it."""
+"""Closing of the elements in the terms of their columns, and the heat that the sea gives for it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,20 @@ _VOLUMES = ("ice_volume", "snow_volume")
 
 
 def before_closing(columns: Columns, closed: Array) -> Columns:
-    """Columns that ridging left, as they were before the closing but per area that is left."""
+    """Columns that ridging left, as they were before the closing but per area that is left.
+
+    Parameters
+    ----------
+    columns : dict of ndarray
+        By the names of the state's schema, after ridging has used up area.
+    closed : ndarray
+        Share of each element's area that has just closed, (n,).
+
+    Returns
+    -------
+    dict of ndarray
+        ``ice_fraction`` is that of the area that is left.
+    """
     return columns | {"ice_fraction": columns["ice_fraction"] / (1.0 - closed)[:, None]}
 
 
@@ -42,7 +55,7 @@ def close_columns(
     columns : dict of ndarray
         Per area that is left. Snow that fell off ridges melts in the mixed layer, if there is one.
     terms : dict of ndarray
-        ``snow_ridging`` (m), ``water_ridging`` (kg/m2) and, without a mixed layer that pays,
+        ``snow_ridging`` (m), ``water_ridging`` (kg/m2) and, without a mixed layer,
         ``energy_ridging`` (J/m2), (n,) each, of snow; with ponds ``pond_ridging`` (m).
     """
     before = dict(columns)

@@ -44,7 +44,15 @@ _ADDED: list[Reader] = []
 
 
 def add_reader(opens: Callable[[Path], bool], open_raw: Callable[[Path], xr.Dataset]) -> None:
-    """Register a reader of another format; see `Reader`."""
+    """Register a reader of another format; see `Reader`.
+
+    Parameters
+    ----------
+    opens : callable
+        Whether the reader takes a file, by its path.
+    open_raw : callable
+        Opens it as a dataset that is not decoded.
+    """
     _ADDED.append(Reader(opens, open_raw))
 
 

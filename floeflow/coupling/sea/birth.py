@@ -90,7 +90,20 @@ def icy(found: OpenIce) -> OpenIce:
 
 
 def melt_back(water: Water, found: OpenIce) -> tuple[Water, Terms]:
-    """Return ice that formed in open water to the sea."""
+    """Return ice that formed in open water to the sea.
+
+    Parameters
+    ----------
+    water : Water
+        The sea, (cells,).
+    found : OpenIce
+        Columns of open water, and the ice that formed in them.
+
+    Returns
+    -------
+    tuple of Water and Terms
+        The sea, and the terms of its budgets (J, kg, m2, m3), summed.
+    """
     return dissolve(water, found.columns, found.area, found.matrix(water.area.size))
 
 
@@ -305,7 +318,23 @@ def place_discs(
 def remove_melted(
     state: xr.Dataset, water: Water, places: SeaPlaces
 ) -> tuple[xr.Dataset, Water, Terms]:
-    """Return elements whose ice has nearly gone to the sea, with their water."""
+    """Return elements whose ice has nearly gone to the sea, with their water.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        Elements before.
+    water : Water
+        The sea, (cells,).
+    places : SeaPlaces
+        Grid of the sea.
+
+    Returns
+    -------
+    tuple of xarray.Dataset, Water and Terms
+        The elements that are left, the sea, and terms of its budgets; ``sea_gone`` counts the
+        elements.
+    """
     fraction, volume = (state[f"ice_{name}"].values.sum(axis=1) for name in ("fraction", "volume"))
     mobile = state["type"].values == MOBILE
     gone = np.flatnonzero(mobile & ((fraction < GONE_FRACTION) | (volume < GONE_VOLUME)))

@@ -58,7 +58,20 @@ class Afloat:
 
 
 def open_columns(count: int, settings: Settings) -> Columns:
-    """Columns without ice."""
+    """Columns without ice.
+
+    Parameters
+    ----------
+    count : int
+        Number of columns.
+    settings : Settings
+        Scheme, processes and categories.
+
+    Returns
+    -------
+    dict of ndarray
+        By the names of the state's schema, (count, ...).
+    """
     none = np.zeros(count)
     return first_columns(none, none, none, 273.0, settings)
 
@@ -141,6 +154,18 @@ def salt_of_ice(terms: Columns, settings: Settings) -> Array:
     """Salt that the ice took from the sea (kg/m2), (n,).
 
     Of ice that keeps no salt of its own as much as `ICE_SALINITY` says.
+
+    Parameters
+    ----------
+    terms : dict of ndarray
+        Terms of the columns' budgets, (n,).
+    settings : Settings
+        Not read where the terms hold ``salt_ocean``.
+
+    Returns
+    -------
+    ndarray
+        Negative where the ice gave salt back.
     """
     if "salt_ocean" in terms:
         return terms["salt_ocean"]

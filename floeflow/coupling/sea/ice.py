@@ -35,6 +35,18 @@ def held_by(columns: Columns, settings: Settings) -> dict[str, Array]:
 
     ``energy`` (J/m2, against the water that it melts to), ``water`` and ``salt`` (kg/m2),
     ``ice_area`` (1), ``ice_volume``, with snow ``snow_volume`` and with ponds ``pond`` (m).
+
+    Parameters
+    ----------
+    columns : dict of ndarray
+        By the names of the state's schema.
+    settings : Settings
+        Scheme and processes.
+
+    Returns
+    -------
+    dict of ndarray
+        (n,) each, by name.
     """
     count = len(columns["ice_fraction"])
     alone = {name: value for name, value in columns.items() if name not in SEA_VARIABLES}

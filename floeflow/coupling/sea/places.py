@@ -76,7 +76,25 @@ def sea_places(mask: xr.Dataset, x: Array, y: Array) -> SeaPlaces:
 
 
 def read_places(scene: Scene, path: str) -> SeaPlaces:
-    """The sea of a scene from the file of its mask."""
+    """The sea of a scene from the file of its mask.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its grid.
+    path : str
+        NetCDF file of the mask.
+
+    Returns
+    -------
+    SeaPlaces
+        Cells, their area of sea (m2) and their places.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read.
+    """
     grid = scene_grid(scene.domain)
     return sea_places(read_dataset(path), grid.x, grid.y)
 

@@ -15,7 +15,7 @@ from floeflow.core import cf_reading as cf
 from floeflow.core.errors import FloeError
 from floeflow.core.grids import mask_grid, scene_crs, to_lonlat
 from floeflow.core.input_files import Hints
-from floeflow.forcings import cf_variables as names
+from floeflow.forcings import cf_variables
 from floeflow.masks.mask_file import nearest_time
 from floeflow.scene.blocks import Scene
 
@@ -48,6 +48,17 @@ def find_sea(
 ) -> cf.Variable | None:
     """The variable of a quantity of the sea: the one asked for, else by standard name, or None.
 
+    Parameters
+    ----------
+    variables : dict of cf.Variable
+        Of the file, by name.
+    scene : Scene
+        Block ``sea``.
+    quantity : str
+        By the names of the forcing.
+    key : str
+        Key of the block that names the variable.
+
     Raises
     ------
     FloeError
@@ -56,7 +67,7 @@ def find_sea(
     path, asked = sea_path(scene), getattr(scene.sea, key)
     if asked:
         return cf.named(variables, asked, path, f"sea.{key}")
-    standard = names.QUANTITIES[quantity].standard[0]
+    standard = cf_variables.QUANTITIES[quantity].standard[0]
     found = cf.by_standard_name(variables, standard)
     if len(found) > 1:
         listed = ", ".join(item.name for item in found)
@@ -76,6 +87,15 @@ def sea_fields(
     Off the file's grid, and further from known values than ``mask.fill_reach``, the sea is at its
     freezing point: NaN is not known, and stays NaN.
 
+    Parameters
+    ----------
+    scene : Scene
+        Block ``sea``.
+    lon : ndarray
+        Degrees, (rows, columns).
+    lat : ndarray
+        Degrees, (rows, columns).
+
     Raises
     ------
     FloeError
@@ -90,7 +110,7 @@ def sea_fields(
             if variable is None:
                 log.info("%s holds no %s: see sea.%s", path, quantity.replace("_", " "), key)
                 continue
-            rule = names.QUANTITIES[quantity]
+            rule = cf_variables.QUANTITIES[quantity]
             factor, offset = units_of(variable, rule.si, path)
             layout = cf.layout(variables, variable, path)
             source = fields.source_grid(variables, variable, layout, data, path)
@@ -111,6 +131,15 @@ def sea_fields(
 def units_of(variable: cf.Variable, si: str, path: Path) -> tuple[float, float]:
     """Factor and offset to SI; salinity without units is in 1e-3, as all scales of it are.
 
+    Parameters
+    ----------
+    variable : cf.Variable
+        One of them.
+    si : str
+        SI unit.
+    path : Path
+        Of the file, for messages.
+
     Raises
     ------
     FloeError
@@ -118,10 +147,12 @@ def units_of(variable: cf.Variable, si: str, path: Path) -> tuple[float, float]:
     """
     if si == "1e-3" and variable.text("units").lower() in SALT_UNITS:
         return 1.0, 0.0
-    return names.conversion(variable, si, path)
+    return cf_variables.conversion(variable, si, path)
 
 
-def _check_range(values: Array, variable: cf.Variable, rule: names.Quantity, path: Path) -> None:
+def _check_range(
+    values: Array, variable: cf.Variable, rule: cf_variables.Quantity, path: Path
+) -> None:
     known = values[np.isfinite(values)]
     if not known.size:
         raise FloeError(f"{path}: variable '{variable.name}' has no value that is not missing")
@@ -130,7 +161,7 @@ def _check_range(values: Array, variable: cf.Variable, rule: names.Quantity, pat
     if known.min() < rule.low or not low <= known.max() <= rule.high:
         raise FloeError(
             f"{path}: '{variable.name}' reaches from {known.min():g} to {known.max():g} "
-            f"{rule.si}, outside {rule.low:g} to {rule.high:g}: check its units"
+            f"{rule.si}, outside {rule.low:g} to {rule.high:g} {rule.si}: check its units"
         )
 
 
@@ -145,6 +176,13 @@ def _to_places(
 
 def with_sea(scene: Scene, mask: xr.Dataset) -> xr.Dataset:
     """Mask with the sea's temperature and salinity at the start, where a file has them.
+
+    Parameters
+    ----------
+    scene : Scene
+        Grid and block ``sea``.
+    mask : xarray.Dataset
+        On that grid.
 
     Raises
     ------
@@ -170,5 +208,5 @@ def check_sea_file(scene: Scene) -> None:
     for _, quantity, key in SEA_FIELDS:
         variable = find_sea(variables, scene, quantity, key)
         if variable is not None:
-            units_of(variable, names.QUANTITIES[quantity].si, path)
+            units_of(variable, cf_variables.QUANTITIES[quantity].si, path)
             cf.layout(variables, variable, path)

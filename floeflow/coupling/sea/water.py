@@ -88,6 +88,18 @@ def freezing_points(salinity: Array, settings: Settings) -> Array:
     """Freezing points of sea water (K) as the column's scheme has them.
 
     Zero-layer ice knows one salinity, that of the scene.
+
+    Parameters
+    ----------
+    salinity : ndarray
+        Of the water (1e-3).
+    settings : Settings
+        Scheme, and the salinity of the scene.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of the salinity.
     """
     if settings.scheme == "zero_layer":
         return np.full_like(salinity, zero_layer_params(settings).freezing_temperature)
@@ -99,7 +111,22 @@ def freezing_points(salinity: Array, settings: Settings) -> Array:
 
 
 def split(warmth: Array, freezing: Array, capacity: float) -> tuple[Array, Array]:
-    """Temperature (K) and heat that is lacking (J/m2) of water by its heat above freezing."""
+    """Temperature (K) and heat that is lacking (J/m2) of water by its heat above freezing.
+
+    Parameters
+    ----------
+    warmth : ndarray
+        Heat above freezing (J/m2); negative where it is lacking.
+    freezing : ndarray
+        Freezing points (K).
+    capacity : float
+        Heat capacity of the mixed layer (J/m2/K).
+
+    Returns
+    -------
+    tuple of ndarray
+        Temperature (K) and lack (J/m2), of the shape of ``warmth``.
+    """
     return freezing + np.maximum(warmth, 0.0) / capacity, np.maximum(-warmth, 0.0)
 
 
@@ -124,7 +151,20 @@ def read_water(state: xr.Dataset, area: Array, settings: Settings) -> Water:
 
 
 def with_water(state: xr.Dataset, water: Water) -> xr.Dataset:
-    """State whose sea is this one."""
+    """State whose sea is this one.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        Elements and sea.
+    water : Water
+        The sea, (cells,).
+
+    Returns
+    -------
+    xarray.Dataset
+        A new one; the sea's variables lie on (y, x).
+    """
     temperature, pending = split(water.warmth, water.freezing, water.capacity)
     shape = state["sea_temperature"].shape
     values = {
@@ -136,19 +176,62 @@ def with_water(state: xr.Dataset, water: Water) -> xr.Dataset:
 
 
 def gain_heat(water: Water, amount: Array) -> Water:
-    """The sea after it got heat (J), (cells,)."""
+    """The sea after it got heat (J), (cells,).
+
+    Parameters
+    ----------
+    water : Water
+        The sea, (cells,).
+    amount : ndarray
+        Heat by cell (J), negative where it is taken.
+
+    Returns
+    -------
+    Water
+        A new one; cells without sea stay.
+    """
     safe = np.where(water.area > 0.0, water.area, 1.0)
     return replace(water, heat=water.heat + amount / safe)
 
 
 def gain_salt(water: Water, amount: Array) -> Water:
-    """The sea after it got salt (kg), (cells,)."""
+    """The sea after it got salt (kg), (cells,).
+
+    Parameters
+    ----------
+    water : Water
+        The sea, (cells,).
+    amount : ndarray
+        Salt by cell (kg), negative where it is taken.
+
+    Returns
+    -------
+    Water
+        A new one; no salinity is below 0.
+    """
     mass = np.where(water.area > 0.0, water.area, 1.0) * water.mass
     return replace(water, salinity=np.maximum(water.salinity + 1e3 * amount / mass, 0.0))
 
 
 def relax_heat(water: Water, target: Array, seconds: float, time: float) -> tuple[Water, float]:
-    """Draw the temperature towards a given one (K) with a time scale (s); heat that came (J)."""
+    """Draw the temperature towards a given one (K) with a time scale (s); heat that came (J).
+
+    Parameters
+    ----------
+    water : Water
+        The sea, (cells,).
+    target : ndarray
+        Temperature by cell (K), at least the freezing point is taken.
+    seconds : float
+        Length of the step (s).
+    time : float
+        Time scale (s).
+
+    Returns
+    -------
+    tuple of Water and float
+        The sea, and the heat that came in all cells (J).
+    """
     part = -np.expm1(-seconds / time)
     wanted = water.capacity * (np.maximum(target, water.freezing) - KELVIN)
     gained = part * (wanted - water.heat) * water.area
@@ -156,7 +239,22 @@ def relax_heat(water: Water, target: Array, seconds: float, time: float) -> tupl
 
 
 def relax_salt(water: Water, seconds: float, time: float) -> tuple[Water, float]:
-    """Mix in water from below with a time scale (s); salt that came with it (kg)."""
+    """Mix in water from below with a time scale (s); salt that came with it (kg).
+
+    Parameters
+    ----------
+    water : Water
+        The sea, (cells,).
+    seconds : float
+        Length of the step (s).
+    time : float
+        Time scale (s).
+
+    Returns
+    -------
+    tuple of Water and float
+        The sea, and the salt that came in all cells (kg).
+    """
     part = -np.expm1(-seconds / time)
     gained = part * (water.deep_salinity - water.salinity) * 1e-3 * water.mass * water.area
     return gain_salt(water, gained), float(gained.sum())

@@ -20,7 +20,20 @@ SHORTEST = 1e-3
 
 
 def displacements(bonds: Arrays, elements: Arrays) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement, hi less lo, at the ends a and b of each line, complex m, shapes (m,)."""
+    """Displacement, hi less lo, at the ends a and b of each line, complex m, shapes (m,).
+
+    Parameters
+    ----------
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    elements : Arrays
+        Table of n elements, sorted by id.
+
+    Returns
+    -------
+    tuple of ndarray
+        At the end a and at the end b.
+    """
     lo, hi = _ends(bonds, elements, "lo"), _ends(bonds, elements, "hi")
     return hi[0] - lo[0], hi[1] - lo[1]
 
@@ -29,6 +42,22 @@ def displaced(bonds: Arrays, elements: Arrays, a: np.ndarray, b: np.ndarray) -> 
     """Bonds with these displacements at the ends a and b.
 
     The midline stays: each element's line moves by half of the change.
+
+    Parameters
+    ----------
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    elements : Arrays
+        Table of n elements, sorted by id.
+    a : ndarray
+        Displacements, hi less lo, complex m, (m,).
+    b : ndarray
+        Displacements, hi less lo, complex m, (m,).
+
+    Returns
+    -------
+    Arrays
+        A new table.
     """
     before = displacements(bonds, elements)
     out = dict(bonds)
@@ -45,6 +74,20 @@ def thickened(bonds: Arrays, elements: Arrays, thickness: np.ndarray) -> Arrays:
     """Bonds that have grown to a thickness (m) and bear what they bore.
 
     Line force is stiffness times displacement, and stiffness grows with thickness.
+
+    Parameters
+    ----------
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    elements : Arrays
+        Table of n elements, sorted by id.
+    thickness : ndarray
+        m, (m,).
+
+    Returns
+    -------
+    Arrays
+        A new table.
     """
     factor = bonds["thickness"] / thickness
     a, b = displacements(bonds, elements)
@@ -97,6 +140,22 @@ def loaded_less_than(
 
     A load that is larger by the share's inverse still lies within the envelope of failure
     (docs/theory/contact.md). Shape (m,), bool.
+
+    Parameters
+    ----------
+    share : float
+        Of the strength, above 0 and at most 1.
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    elements : Arrays
+        Table of n elements, sorted by id.
+    params : EngineParams
+        Parameters of the engine.
+
+    Returns
+    -------
+    ndarray
+        True where the load is smaller.
     """
     _, (a, b) = _in_frame(bonds, elements)
     young, shear = (m / bonds["span"] / share for m in (params.young_modulus, params.shear_modulus))

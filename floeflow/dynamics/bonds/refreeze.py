@@ -111,7 +111,26 @@ def refreeze(
 
 
 def thicken(bonds: Arrays, elements: Arrays, air: Air, cold: Cold, window: float) -> Arrays:
-    """Bonds after a window of growth: no thicker than the ice beside them, force as before."""
+    """Bonds after a window of growth: no thicker than the ice beside them, force as before.
+
+    Parameters
+    ----------
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    elements : Arrays
+        Table of n elements, sorted by id.
+    air : Air
+        Temperatures of the air.
+    cold : Cold
+        When and how ice freezes.
+    window : float
+        Length of the window (s).
+
+    Returns
+    -------
+    Arrays
+        A new table.
+    """
     lo, hi = _rows(bonds, elements)
     grown = np.sqrt(bonds["thickness"] ** 2 + _growth(bonds, elements, air, cold, window))
     beside = np.minimum(elements["thickness"][lo], elements["thickness"][hi])
@@ -127,6 +146,26 @@ def heal(
     Ice in a crack is as thick as the bond after h^2 / growth; until then a third of it is missing
     on average. Cracks close by 1/e in a third of that time: in sum as much is missing. The
     longer line bears an eccentric load: where that is too much, the cracks stay.
+
+    Parameters
+    ----------
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    elements : Arrays
+        Table of n elements, sorted by id.
+    air : Air
+        Temperatures of the air.
+    cold : Cold
+        When and how ice freezes.
+    window : float
+        Length of the window (s).
+    params : EngineParams
+        Parameters of the engine.
+
+    Returns
+    -------
+    Arrays
+        A new table.
     """
     grown = _growth(bonds, elements, air, cold, window) / bonds["thickness"] ** 2
     longer = healed(bonds, elements, np.exp(-3.0 * grown))
@@ -146,6 +185,26 @@ def touch_times(
     """Time (s) for which each pair has been in touch and in the cold, by the windows' ends.
 
     A pair counts a window if it is in touch at both of its ends; warm air sets it back to 0.
+
+    Parameters
+    ----------
+    contacts : Arrays
+        Contact table of k contacts.
+    touched : Arrays
+        Pairs that were in touch before, with their ``touch_time`` (s).
+    elements : Arrays
+        Table of n elements, sorted by id.
+    air : Air
+        Temperatures of the air.
+    cold : Cold
+        When and how ice freezes.
+    window : float
+        Length of the window (s).
+
+    Returns
+    -------
+    ndarray
+        (k,); 0 for pairs that are not in touch, or not in the cold.
     """
     lo, hi = _rows(contacts, elements)
     known = dict(
@@ -169,6 +228,22 @@ def freeze(
     The glue line lies across the line of centres where the contact's levers meet, as long as the
     contact. It takes over the contact's force, or less where it would hold more elastic energy
     than the contact did.
+
+    Parameters
+    ----------
+    contacts : Arrays
+        Contacts that have been in touch long enough, k of them.
+    elements : Arrays
+        Table of n elements, sorted by id.
+    cold : Cold
+        When and how ice freezes.
+    params : EngineParams
+        Parameters of the engine.
+
+    Returns
+    -------
+    tuple of Arrays and ndarray
+        Bond table of the new bonds, and which contacts they were (k,), bool.
     """
     lo, hi = _rows(contacts, elements)
     dx, dy = elements["x"][hi] - elements["x"][lo], elements["y"][hi] - elements["y"][lo]

@@ -66,7 +66,20 @@ def _check_pairs(elements: Arrays, table: Arrays, names: tuple[str, ...], kind: 
 
 
 def check_bonds(elements: Arrays, bonds: Arrays) -> None:
-    """Refuse a bond table that no ice could have."""
+    """Refuse a bond table that no ice could have.
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+
+    Raises
+    ------
+    FloeError
+        For a value or pair that cannot be; names the bond.
+    """
     _check_pairs(elements, bonds, BOND_COLUMNS, "bond")
     for name, good in (
         ("span", bonds["span"] > 0),
@@ -85,7 +98,24 @@ def check_bonds(elements: Arrays, bonds: Arrays) -> None:
 def check_contacts(
     elements: Arrays, bonds: Arrays, contacts: Arrays, columns: tuple[str, ...]
 ) -> None:
-    """Refuse a contact table with impossible values or with bonded pairs in it."""
+    """Refuse a contact table with impossible values or with bonded pairs in it.
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    contacts : Arrays
+        Contact table of k contacts.
+    columns : tuple of str
+        Columns that the table must have.
+
+    Raises
+    ------
+    FloeError
+        For a value or pair that cannot be; names the contact.
+    """
     _check_pairs(elements, contacts, columns, "contact")
     # With ridging a contact may reach across a gap: its rest overlap is below 0 then.
     kept = RIDGE_COLUMNS if "ridge_closing" in columns else ("rest_overlap",)
@@ -99,7 +129,24 @@ def check_contacts(
 
 
 def check_time(params: EngineParams, forcing: Forcing | None, begin: float, steps: int) -> None:
-    """Refuse steps from a time (s) on that the forcing, where one is needed, does not cover."""
+    """Refuse steps from a time (s) on that the forcing, where one is needed, does not cover.
+
+    Parameters
+    ----------
+    params : EngineParams
+        Parameters of the engine.
+    forcing : Forcing or None
+        None where the effects need none.
+    begin : float
+        s.
+    steps : int
+        Number of time steps.
+
+    Raises
+    ------
+    FloeError
+        For forcing that is missing, or too short.
+    """
     needed = params.external
     if not needed:
         return

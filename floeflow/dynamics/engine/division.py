@@ -88,7 +88,24 @@ def choose_division(elements: Arrays, ranks: int, box: Edges, halo: float) -> Di
 def level_cuts(
     place: np.ndarray, work: np.ndarray, edges: tuple[float, float], parts: int
 ) -> np.ndarray:
-    """Cuts along an axis with the same work between any two of them, edges first and last."""
+    """Cuts along an axis with the same work between any two of them, edges first and last.
+
+    Parameters
+    ----------
+    place : ndarray
+        Places along the axis (m), (n,).
+    work : ndarray
+        Work of each element, in any unit, (n,).
+    edges : tuple of float
+        First and last cut (m).
+    parts : int
+        Number of parts.
+
+    Returns
+    -------
+    ndarray
+        m, ascending, (parts + 1,).
+    """
     order = np.argsort(place, kind="stable")
     done = np.cumsum(work[order])
     last = np.searchsorted(done, done[-1] * np.arange(1, parts) / parts)
@@ -125,7 +142,22 @@ def busiest(table: np.ndarray, box: Edges, cuts: list[np.ndarray], halo: float) 
 def cells_between(
     cuts: np.ndarray, edges: tuple[float, float], rim: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """First cell of each part along an axis, its rim included, and the one behind its last."""
+    """First cell of each part along an axis, its rim included, and the one behind its last.
+
+    Parameters
+    ----------
+    cuts : ndarray
+        From `level_cuts` (m), (parts + 1,).
+    edges : tuple of float
+        Ends of the axis (m).
+    rim : float
+        By how much each part is widened (m).
+
+    Returns
+    -------
+    tuple of ndarray
+        Numbers of cells, (parts,) each.
+    """
     low, high = edges
     ends = np.array([cuts[:-1] - rim, cuts[1:] + rim])
     first, last = np.rint((ends - low) / (high - low) * CELLS).clip(0, CELLS).astype(int)
@@ -133,7 +165,22 @@ def cells_between(
 
 
 def work_table(places: list[np.ndarray], work: np.ndarray, box: Edges) -> np.ndarray:
-    """Work to the lower left of each corner of a grid of `CELLS` by `CELLS` cells over the box."""
+    """Work to the lower left of each corner of a grid of `CELLS` by `CELLS` cells over the box.
+
+    Parameters
+    ----------
+    places : list of ndarray
+        Coordinates x and y (m), (n,) each.
+    work : ndarray
+        Work of each element, in any unit, (n,).
+    box : Edges
+        Ends of the two axes (m).
+
+    Returns
+    -------
+    ndarray
+        Cumulative in both directions, (CELLS + 1, CELLS + 1).
+    """
     x, y = places
     cells, _, _ = np.histogram2d(x, y, CELLS, range=[list(edges) for edges in box], weights=work)
     table = np.zeros((CELLS + 1, CELLS + 1))

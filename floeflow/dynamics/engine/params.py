@@ -12,9 +12,12 @@ import numpy as np
 from floeflow.core.constants import AIR_DENSITY, CONTACT_SHEAR_RATIO, SEAWATER_DENSITY
 from floeflow.core.errors import FloeError
 from floeflow.core.period import Period, sides
+from floeflow.scene.blocks import Dynamics
 from floeflow.state.bonds import CONTACT_COLUMNS, RIDGE_COLUMNS
 
 FIXED = 2  # type of elements that never move
+# What is not given is as in a scene that does not name it.
+_SCENE = Dynamics()
 # Fields of the forcing that do not change in time.
 STEADY = ("coriolis", "sea_floor_depth")
 VELOCITIES = ("wind_u", "wind_v", "ocean_u", "ocean_v")
@@ -108,23 +111,23 @@ class EngineParams:
     ocean_drag: bool = False
     coriolis: bool = False
     tilt: bool = False
-    young_modulus: float = 1.0e9
-    poisson_ratio: float = 0.3
-    bond_damping: float = 0.1
-    strength: Literal["constant", "kovacs_sodhi"] = "constant"
-    compressive_strength: float = 1.0e6
-    tensile_share: float = 0.1
-    friction_angle: float = math.radians(35.0)
-    contact_modulus: float = 1.0e8
+    young_modulus: float = _SCENE.young_modulus
+    poisson_ratio: float = _SCENE.poisson_ratio
+    bond_damping: float = _SCENE.bond_damping
+    strength: Literal["constant", "kovacs_sodhi"] = _SCENE.strength
+    compressive_strength: float = _SCENE.compressive_strength
+    tensile_share: float = _SCENE.tensile_share
+    friction_angle: float = math.radians(_SCENE.friction_angle)
+    contact_modulus: float = _SCENE.contact_modulus
     contact_shear_ratio: float = CONTACT_SHEAR_RATIO
-    contact_damping: float = 0.3
-    friction_coefficient: float = 0.3
-    ridge_force: float = 26126.0
-    ridge_hardening: float = 928.0
-    ridge_thickness: float = 0.3
-    lead_softening: float = 20.0
-    wind_stress_factor: float = AIR_DENSITY * 1.2e-3
-    ocean_stress_factor: float = SEAWATER_DENSITY * 5.5e-3
+    contact_damping: float = _SCENE.contact_damping
+    friction_coefficient: float = _SCENE.friction_coefficient
+    ridge_force: float = _SCENE.ridge_force
+    ridge_hardening: float = _SCENE.ridge_hardening
+    ridge_thickness: float = _SCENE.ridge_thickness
+    lead_softening: float = _SCENE.lead_softening
+    wind_stress_factor: float = AIR_DENSITY * _SCENE.air_drag
+    ocean_stress_factor: float = SEAWATER_DENSITY * _SCENE.ocean_drag
     turning_angle: float = 0.0
     forces: tuple[Force, ...] = ()
     relative_wind: bool = False

@@ -171,7 +171,24 @@ def quiet_errors() -> Iterator[None]:
 def open_liggghts(
     library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm, log: Path
 ) -> int:
-    """Open LIGGGHTS on a communicator with a log; returns 1 if that failed."""
+    """Open LIGGGHTS on a communicator with a log; returns 1 if that failed.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Set where it succeeds.
+    comm : MPI.Comm
+        Ranks that share the engine.
+    log : Path
+        File that LIGGGHTS writes.
+
+    Returns
+    -------
+    int
+        0 for success.
+    """
     words = ["liggghts", "-screen", "none", "-log", str(log)]
     arguments = (ctypes.c_char_p * len(words))(*(word.encode() for word in words))
     handle = ctypes.c_void_p(MPI._addressof(comm))

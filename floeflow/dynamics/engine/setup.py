@@ -125,6 +125,18 @@ def choose_skin(elements: Arrays, params: EngineParams) -> float:
 
     A list should last some hundreds of steps, neither rebuilt often nor full of pairs that never
     meet; the skin stays between 2 % and 50 % of the mean radius.
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    params : EngineParams
+        Parameters of the engine.
+
+    Returns
+    -------
+    float
+        m.
     """
     speed = max(DRIFT_SPEED, float(np.hypot(elements["u"], elements["v"]).max()))
     mean = float(elements["radius"].mean())
@@ -136,6 +148,20 @@ def contact_reach(elements: Arrays, contacts: Arrays, params: EngineParams) -> f
 
     With ridging a contact may reach across a gap: that of the bond which broke there, or one that
     ridging on other sides of its elements left (negative rest overlap).
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    contacts : Arrays
+        Contact table of k contacts.
+    params : EngineParams
+        Parameters of the engine.
+
+    Returns
+    -------
+    float
+        1 where contacts reach across no gap.
     """
     if not params.ridging or len(contacts["id_lo"]) == 0:
         return 1.0
@@ -151,6 +177,15 @@ def bond_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> float:
 
     A point of a bond survives a displacement of at most the strength over the stiffness; the
     centres are then no further apart than the two arms to the line and that displacement.
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    bonds : Arrays
+        Bond table.
+    params : EngineParams
+        Parameters of the engine.
 
     Raises
     ------
@@ -178,6 +213,20 @@ def within_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> Array
 
     Where ridges use up elements these join others before (`remesh/absorb.py`); what is left are
     bonds of elements that have none to join, as with the coast.
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    params : EngineParams
+        Parameters of the engine.
+
+    Returns
+    -------
+    Arrays
+        The bonds that are held.
     """
     if len(bonds["id_lo"]) == 0:
         return bonds
@@ -186,7 +235,22 @@ def within_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> Array
 
 
 def pair_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> np.ndarray:
-    """Furthest that the centres of each bonded pair can be, over the sum of its radii, (m,)."""
+    """Furthest that the centres of each bonded pair can be, over the sum of its radii, (m,).
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    params : EngineParams
+        Parameters of the engine.
+
+    Returns
+    -------
+    ndarray
+        Ratio, which neighbour lists are made to hold.
+    """
     ids = elements["id"]
     lo, hi = np.searchsorted(ids, bonds["id_lo"]), np.searchsorted(ids, bonds["id_hi"])
     arm = sum(

@@ -32,7 +32,20 @@ _NOT_FINITE, _BOND_REACH = 1, 3
 
 
 def stack_columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
-    """Columns of a table side by side, shape (rows, columns)."""
+    """Columns of a table side by side, shape (rows, columns).
+
+    Parameters
+    ----------
+    table : Arrays
+        Columns by name, (rows,) each.
+    names : tuple of str
+        Columns in their order.
+
+    Returns
+    -------
+    ndarray
+        C-contiguous float64.
+    """
     # Only ridging has the columns that may be missing; without it, and at its start, they are 0.
     none = np.zeros(len(next(iter(table.values()))))
     optional = dict.fromkeys(("ridged_area", *IMPULSES, *RIDGE_COLUMNS), none)
@@ -45,7 +58,20 @@ def stack_columns(table: Arrays, names: tuple[str, ...]) -> np.ndarray:
 
 
 def gather(comm: MPI.Comm, local: np.ndarray) -> np.ndarray:
-    """Rows of all ranks, by rank, on every rank."""
+    """Rows of all ranks, by rank, on every rank.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Ranks that share the engine.
+    local : ndarray
+        Rows of this rank, (k, ...).
+
+    Returns
+    -------
+    ndarray
+        (sum of k, ...).
+    """
     if comm.size == 1:
         return local
     counts = comm.allgather(local.nbytes)
@@ -57,7 +83,22 @@ def gather(comm: MPI.Comm, local: np.ndarray) -> np.ndarray:
 
 
 def create_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, elements: Arrays) -> int:
-    """Make each rank's elements, in the order of the table; returns 1 if that failed."""
+    """Make each rank's elements, in the order of the table; returns 1 if that failed.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    elements : Arrays
+        Table of n elements, sorted by id.
+
+    Returns
+    -------
+    int
+        0 for success.
+    """
     ids = np.ascontiguousarray(elements["id"], dtype=np.int64)
     kind = np.ascontiguousarray(elements["type"], dtype=np.int8)
     columns = stack_columns(elements, COLUMNS)
@@ -65,7 +106,22 @@ def create_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, elements: A
 
 
 def get_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm) -> Arrays:
-    """All elements, sorted by id, on every rank."""
+    """All elements, sorted by id, on every rank.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    comm : MPI.Comm
+        Ranks that share the engine.
+
+    Returns
+    -------
+    Arrays
+        Table of n elements.
+    """
     n = int(library.floe_count_elements(instance))
     ids, kind = np.empty(n, np.int64), np.empty(n, np.int8)
     columns = np.empty((n, len(COLUMNS)))
@@ -82,7 +138,22 @@ def get_elements(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
 def get_internal(
     library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
 ) -> tuple[int, Arrays]:
-    """Whether it failed (1), and the columns `INTERNAL` of all elements, sorted by id."""
+    """Whether it failed (1), and the columns `INTERNAL` of all elements, sorted by id.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    comm : MPI.Comm
+        Ranks that share the engine.
+
+    Returns
+    -------
+    tuple of int and Arrays
+        0 for success; internal forces and stresses by the names of `INTERNAL`, (n,) each.
+    """
     n = int(library.floe_count_elements(instance))
     ids, kind = np.empty(n, np.int64), np.empty(n, np.int8)
     elements, columns = np.empty((n, len(COLUMNS))), np.empty((n, len(INTERNAL)))
@@ -96,7 +167,24 @@ def get_internal(
 def put_pairs(
     library: ctypes.CDLL, instance: ctypes.c_void_p, bonds: Arrays, contacts: Arrays
 ) -> int:
-    """Put all pairs into the neighbour lists; returns 1 if that failed."""
+    """Put all pairs into the neighbour lists; returns 1 if that failed.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    contacts : Arrays
+        Contact table.
+
+    Returns
+    -------
+    int
+        0 for success.
+    """
     arguments: list[object] = []
     for table, names in ((bonds, BOND_COLUMNS), (contacts, _CONTACT)):
         ids = np.column_stack([table["id_lo"], table["id_hi"]]).astype(np.int64)
@@ -105,7 +193,20 @@ def put_pairs(
 
 
 def count_pairs(library: ctypes.CDLL, instance: ctypes.c_void_p) -> tuple[int, int]:
-    """How many bonds and contacts this rank speaks for."""
+    """How many bonds and contacts this rank speaks for.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+
+    Returns
+    -------
+    tuple of int
+        Numbers of bonds and of contacts.
+    """
     bonds, contacts = ctypes.c_longlong(), ctypes.c_longlong()
     library.floe_count_pairs(instance, ctypes.byref(bonds), ctypes.byref(contacts))
     return bonds.value, contacts.value
@@ -114,7 +215,24 @@ def count_pairs(library: ctypes.CDLL, instance: ctypes.c_void_p) -> tuple[int, i
 def get_pairs(
     library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm, contact: tuple[str, ...]
 ) -> tuple[Arrays, Arrays]:
-    """Bond table and contact table with these columns, sorted by (id_lo, id_hi), on every rank."""
+    """Bond table and contact table with these columns, sorted by (id_lo, id_hi), on every rank.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    comm : MPI.Comm
+        Ranks that share the engine.
+    contact : tuple of str
+        Columns of the contact table that are wanted.
+
+    Returns
+    -------
+    tuple of Arrays
+        Bonds, and contacts.
+    """
     counts = count_pairs(library, instance)
     ids = [np.empty((n, 2), np.int64) for n in counts]
     values = [np.empty((counts[0], len(BOND_COLUMNS))), np.empty((counts[1], len(_CONTACT)))]
@@ -136,7 +254,22 @@ def get_pairs(
 def get_sums(
     library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm
 ) -> tuple[int, dict[str, float]]:
-    """Whether it failed (1), and the plugin's sums over all ranks by name."""
+    """Whether it failed (1), and the plugin's sums over all ranks by name.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    comm : MPI.Comm
+        Ranks that share the engine.
+
+    Returns
+    -------
+    tuple of int and dict of float
+        0 for success; sums since the start in SI units, ``max_overlap`` the largest over all ranks.
+    """
     names = library.floe_sum_names().decode().split()
     sums = np.zeros(len(names))
     failed = int(library.floe_sums(instance, sums, len(sums)))
@@ -149,13 +282,41 @@ def get_sums(
 
 
 def missing_pairs(wanted: Arrays, present: Arrays) -> list[tuple[int, int]]:
-    """Pairs of one table that another does not have."""
+    """Pairs of one table that another does not have.
+
+    Parameters
+    ----------
+    wanted : Arrays
+        Tables of pairs, with ``id_lo`` and ``id_hi``.
+    present : Arrays
+        Tables of pairs, with ``id_lo`` and ``id_hi``.
+
+    Returns
+    -------
+    list of tuple of int
+        Ids of the pairs that only ``wanted`` has.
+    """
     rows = np.flatnonzero(~np.isin(pair_keys(wanted), pair_keys(present)))
     return [(int(wanted["id_lo"][k]), int(wanted["id_hi"][k])) for k in rows]
 
 
 def first_fault(library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm) -> str:
-    """Sentence about the first element that failed on any rank; empty if none did."""
+    """Sentence about the first element that failed on any rank; empty if none did.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    comm : MPI.Comm
+        Ranks that share the engine.
+
+    Returns
+    -------
+    str
+        With element, place (m) and step.
+    """
     whole, real = np.zeros(4, np.int64), np.zeros(6)
     library.floe_fault(instance, whole, real)
     found = [f for f in comm.allgather((whole.tolist(), real.tolist())) if f[0][0]]

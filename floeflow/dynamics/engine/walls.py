@@ -21,7 +21,25 @@ _CONTACT = (*CONTACT_COLUMNS, *RIDGE_COLUMNS)
 def check_wall_contacts(
     faces: Arrays, elements: Arrays, contacts: Arrays, columns: tuple[str, ...]
 ) -> None:
-    """Refuse a table of wall contacts with impossible values; names the contact."""
+    """Refuse a table of wall contacts with impossible values; names the contact.
+
+    Parameters
+    ----------
+    faces : Arrays
+        Faces of walls, as in `floeflow.state.walls`.
+    elements : Arrays
+        Table of n elements, sorted by id.
+    contacts : Arrays
+        Table of contacts with walls.
+    columns : tuple of str
+        Columns that the table must have.
+
+    Raises
+    ------
+    FloeError
+        For an element or face that does not exist, a pair that appears twice, or a value that
+        cannot be.
+    """
     ids, face = np.asarray(contacts["id"]), np.asarray(contacts["face"])
     if len(ids) == 0:
         return
@@ -44,7 +62,22 @@ def check_wall_contacts(
 
 
 def set_walls(library: ctypes.CDLL, instance: ctypes.c_void_p, faces: Arrays) -> int:
-    """Hand the faces over; returns 1 if that failed."""
+    """Hand the faces over; returns 1 if that failed.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    faces : Arrays
+        Faces of walls, as in `floeflow.state.walls`.
+
+    Returns
+    -------
+    int
+        0 for success.
+    """
     numbers = np.column_stack([faces[name] for name in FACE_NUMBERS]).astype(np.int64)
     columns = stack_columns(faces, FACE_COLUMNS)
     return int(
@@ -60,7 +93,22 @@ def count_walls(faces: Arrays) -> int:
 
 
 def put_wall_contacts(library: ctypes.CDLL, instance: ctypes.c_void_p, contacts: Arrays) -> int:
-    """Hand each rank the contacts of its elements; returns 1 if that failed."""
+    """Hand each rank the contacts of its elements; returns 1 if that failed.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    contacts : Arrays
+        Table of contacts with walls.
+
+    Returns
+    -------
+    int
+        0 for success.
+    """
     ids = np.column_stack([contacts["id"], contacts["face"]]).astype(np.int64)
     columns = stack_columns(contacts, _CONTACT)
     return int(
@@ -71,7 +119,24 @@ def put_wall_contacts(library: ctypes.CDLL, instance: ctypes.c_void_p, contacts:
 def get_wall_contacts(
     library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm, columns: tuple[str, ...]
 ) -> Arrays:
-    """Contacts with walls, sorted by (id, face), on every rank."""
+    """Contacts with walls, sorted by (id, face), on every rank.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    comm : MPI.Comm
+        Ranks that share the engine.
+    columns : tuple of str
+        Columns that are wanted.
+
+    Returns
+    -------
+    Arrays
+        With ``id`` and ``face``.
+    """
     n = int(library.floe_count_wall_contacts(instance))
     ids, values = np.empty((n, 2), np.int64), np.empty((n, len(_CONTACT)))
     library.floe_get_wall_contacts(instance, ids, values)
@@ -87,7 +152,24 @@ def get_wall_contacts(
 def wall_forces(
     library: ctypes.CDLL, instance: ctypes.c_void_p, comm: MPI.Comm, walls: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Impulse (N s) on the ice since `load` and force (N) now of each wall, shapes (walls, 2)."""
+    """Impulse (N s) on the ice since `load` and force (N) now of each wall, shapes (walls, 2).
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        Of the plugin.
+    instance : ctypes.c_void_p
+        Of LIGGGHTS.
+    comm : MPI.Comm
+        Ranks that share the engine.
+    walls : int
+        Number of walls.
+
+    Returns
+    -------
+    tuple of ndarray
+        Components x and y.
+    """
     mine = np.zeros((2, walls, 2))
     library.floe_wall_forces(instance, mine[0], mine[1])
     total = np.empty_like(mine)

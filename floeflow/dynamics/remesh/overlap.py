@@ -155,7 +155,22 @@ def convex(start: Index, corner: Array) -> NDArray[np.bool_]:
 
 
 def covered(source: Index, area: Array, old: NDArray[np.object_]) -> Array:
-    """Share of each old cell that lies on fresh ones, (n,)."""
+    """Share of each old cell that lies on fresh ones, (n,).
+
+    Parameters
+    ----------
+    source : Index
+        Old cell of each piece, (pieces,).
+    area : ndarray
+        Of each piece (m2), (pieces,).
+    old : ndarray
+        Polygons of the n old cells (m).
+
+    Returns
+    -------
+    ndarray
+        0 to 1, to round-off.
+    """
     found = np.bincount(source, weights=area, minlength=len(old))
     return np.asarray(found / shapely.area(old))
 

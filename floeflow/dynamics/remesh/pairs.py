@@ -55,7 +55,24 @@ class Ancestry:
 def mean_over_parts(
     table: sparse.csr_matrix, share: sparse.csr_matrix, lo: Index, hi: Index
 ) -> Array:
-    """Mean of a table of old pairs over the parts of fresh pairs, (k,)."""
+    """Mean of a table of old pairs over the parts of fresh pairs, (k,).
+
+    Parameters
+    ----------
+    table : scipy.sparse.csr_matrix
+        Of the old elements, (n, n).
+    share : scipy.sparse.csr_matrix
+        Share of each fresh element that comes from each old one, (n, fresh).
+    lo : Index
+        Rows of the k fresh pairs.
+    hi : Index
+        Rows of the k fresh pairs.
+
+    Returns
+    -------
+    ndarray
+        In the unit of the table.
+    """
     if not len(lo):
         return np.zeros(0)
     column = share.tocsc()
@@ -94,6 +111,20 @@ def holding(
     Elements that do not lie side by side hold together as far as those between them do. Within an
     element bonds are as thick as those around it: its ice is thicker than young bonds, but the
     pack is no stronger than these.
+
+    Parameters
+    ----------
+    old : Arrays
+        Table of n old elements.
+    bonds : Arrays
+        Their bonds.
+    gap : float
+        Distance (m) up to which elements lie side by side.
+
+    Returns
+    -------
+    tuple of scipy.sparse.csr_matrix
+        Each (n, n); shares of the length, and thickness (m).
     """
     count = len(old["id"])
     lo, hi = (element_rows(old["id"], bonds[f"id_{end}"]) for end in ("lo", "hi"))

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from floeflow.dynamics.remesh.outline import cut
 from floeflow.dynamics.remesh.overlap import Pieces, carried_polygons, covered, make_pieces, overlap
 from floeflow.dynamics.remesh.pairs import Ancestry, coast_bonds, fresh_bonds, fresh_contacts
-from floeflow.dynamics.remesh.spread import enclosed, gather_crumbs, spread
+from floeflow.dynamics.remesh.spread import enclosed, join_sparse_cells, spread
 from floeflow.dynamics.remesh.tables import (
     corner_rows,
     element_values,
@@ -119,7 +119,20 @@ def _with_nearest(
 
 
 def outlines(state: xr.Dataset, rows: Index) -> tuple[Index, Array]:
-    """Open rings in the body frames of some elements: starts and corners (m)."""
+    """Open rings in the body frames of some elements: starts and corners (m).
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With the corners of the elements.
+    rows : Index
+        Rows of the elements, (k,).
+
+    Returns
+    -------
+    tuple of Index and ndarray
+        (k + 1,), and (corners, 2).
+    """
     count = state["cell_corners"].values
     corner = np.stack([state["corner_x"].values, state["corner_y"].values], axis=1)
     start = np.concatenate([[0], np.cumsum(count[rows])])
@@ -127,7 +140,20 @@ def outlines(state: xr.Dataset, rows: Index) -> tuple[Index, Array]:
 
 
 def overlapping(laid: Laid, cells: Cells) -> float:
-    """Share of the elements' area by which they overlap: what is too much for the cells."""
+    """Share of the elements' area by which they overlap: what is too much for the cells.
+
+    Parameters
+    ----------
+    laid : Laid
+        Pieces of elements on cells.
+    cells : Cells
+        Cells and their areas.
+
+    Returns
+    -------
+    float
+        0 to 1.
+    """
     held = np.bincount(laid.pieces.target, weights=laid.pieces.area, minlength=len(cells.id))
     total = float(laid.pieces.area.sum())
     return float(np.maximum(held - cells.area, 0.0).sum()) / total if total > 0 else 0.0
@@ -167,10 +193,11 @@ def remap(
     share = laid.pieces.matrix()
     fill = {name: move(_product(share.T, values[name])) for name in names if name != "area"}
     arrived = {name: move(amount) for name, amount in arrived.items()}
-    # Traces of ice go to the nearest ice and leave their water; then crumbs go, with all they hold.
+    # Traces of ice go to the nearest ice and leave their water; then cells that are hardly filled
+    # join others.
     goes, part = traces(arrived["area"], arrived["ice_fraction"].sum(axis=1), cells)
     held = _product(goes, part * arrived["area"])
-    onto = sparse.csr_matrix(gather_crumbs(held, cells.area, beside) @ goes)
+    onto = sparse.csr_matrix(join_sparse_cells(held, cells.area, beside) @ goes)
     onto.sort_indices()
     in_part = sparse.csr_matrix(onto @ sparse.diags(part))
     arrived = {

@@ -17,13 +17,13 @@ from floeflow.state.schema import MOBILE
 Terms = dict[str, float]
 
 
-def cure(scene: Scene, state: xr.Dataset, cells: Cells | None) -> tuple[xr.Dataset, Terms]:
+def remesh(scene: Scene, state: xr.Dataset, cells: Cells | None) -> tuple[xr.Dataset, Terms]:
     """Merge or remap a state's elements, where the scene asks for it.
 
     Parameters
     ----------
     scene : Scene
-        Its effects choose the cure, its keys when.
+        Its effects say whether elements are merged, remapped or both, its keys when.
     state : xarray.Dataset
         State at a window's end, with the number of that window.
     cells : Cells or None
@@ -43,7 +43,7 @@ def cure(scene: Scene, state: xr.Dataset, cells: Cells | None) -> tuple[xr.Datas
         merged = merge(merged, absorbed(merged, engine_params(scene)))
     if "merge" in scene.effects:
         merged = merge(merged, merge_targets(merged, scene.merge.radius))
-    cured = merged
+    remeshed = merged
     if "remap" in scene.effects and cells is not None:
         laid = lay(merged, cells)
         overlap = overlapping(laid, cells)
@@ -51,18 +51,18 @@ def cure(scene: Scene, state: xr.Dataset, cells: Cells | None) -> tuple[xr.Datas
         due = every > 0 and int(state.attrs["window"]) % every == 0
         if due or overlap > scene.remap.overlap:
             gap, slopes = scene.packing.bond_gap, scene.remap.order == 2
-            cured = remap(merged, cells, laid, gap, slopes)
-    terms = _terms(scene, state, merged, "merge") | _terms(scene, merged, cured, "remap")
+            remeshed = remap(merged, cells, laid, gap, slopes)
+    terms = _terms(scene, state, merged, "merge") | _terms(scene, merged, remeshed, "remap")
     if "remap_done" in terms:
         terms["remap_overlap"] = overlap
-    return cured, terms
+    return remeshed, terms
 
 
 def _terms(scene: Scene, before: xr.Dataset, after: xr.Dataset, kind: str) -> Terms:
-    """Terms of one cure; none where the scene has it not."""
+    """Terms of merging or of remapping; none where the scene does not ask for it."""
     if kind == "remap" and "remap" in scene.effects:
         terms = {"remap_done": float(after is not before)}
-    elif kind == "merge" and cures_by_merging(scene):
+    elif kind == "merge" and may_merge(scene):
         terms = {"merge_elements": float(before.sizes["element"] - after.sizes["element"])}
     else:
         return {}
@@ -74,7 +74,7 @@ def _terms(scene: Scene, before: xr.Dataset, after: xr.Dataset, kind: str) -> Te
     return terms
 
 
-def cures_by_merging(scene: Scene) -> bool:
+def may_merge(scene: Scene) -> bool:
     """Whether elements may join others: where they are asked to, and where ridges use them up."""
     return bool({"merge", "ridging"} & set(scene.effects))
 

@@ -39,13 +39,41 @@ class Groups:
 
     @classmethod
     def of(cls, index: Index, count: int) -> Groups:
-        """Groups of rows by the number of each row's group."""
+        """Groups of rows by the number of each row's group.
+
+        Parameters
+        ----------
+        index : Index
+            Group of each row, (k,).
+        count : int
+            Number of groups.
+
+        Returns
+        -------
+        Groups
+            Rows sorted by group.
+        """
         order = np.argsort(index, kind="stable")
         group, start = np.unique(index[order], return_index=True)
         return cls(order, start, group, count)
 
     def reduce(self, how: np.ufunc, rows: Array, empty: float) -> Array:
-        """Reduce rows (k, c) to groups (count, c); groups without rows get ``empty``."""
+        """Reduce rows (k, c) to groups (count, c); groups without rows get ``empty``.
+
+        Parameters
+        ----------
+        how : numpy.ufunc
+            Such as ``np.add`` or ``np.minimum``.
+        rows : ndarray
+            (k, c).
+        empty : float
+            Value of groups without rows.
+
+        Returns
+        -------
+        ndarray
+            In the unit of the rows.
+        """
         out = np.full((self.count, *rows.shape[1:]), empty)
         if len(self.start):
             out[self.group] = how.reduceat(rows[self.order], self.start, axis=0)
@@ -78,7 +106,22 @@ def make_stencil(centre: Array) -> Stencil:
 
 
 def gradient(stencil: Stencil, ratio: Array, there: Flags) -> tuple[Array, Array]:
-    """Least-squares slopes (per m) of a property in each element, (n, c); 0 where undetermined."""
+    """Least-squares slopes (per m) of a property in each element, (n, c); 0 where undetermined.
+
+    Parameters
+    ----------
+    stencil : Stencil
+        Neighbours of the n elements, with weights and offsets (m).
+    ratio : ndarray
+        Properties, (n, c).
+    there : Flags
+        Where they are defined, (n, c).
+
+    Returns
+    -------
+    tuple of ndarray
+        Slopes in x and in y, in the unit of the property per m.
+    """
     xx, xy, yy, xr, yr = (np.zeros_like(ratio) for _ in range(5))
     for q in range(stencil.row.shape[1]):
         row = stencil.row[:, q]

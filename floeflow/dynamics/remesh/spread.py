@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Make room: cells hold no more area than they have, and no crumbs.
+"""Make room: cells hold no more area than they have, and none is hardly filled.
 
 Where elements overlapped, more area arrives in a cell than it has. The excess goes to neighbours
 that have room, over as many cells as it takes, and takes along what sits on it. The flux between
@@ -36,7 +36,22 @@ FARTHEST = 3
 
 
 def attainable(area: Array, capacity: Array, beside: sparse.csr_matrix) -> Array:
-    """Capacities, raised evenly where a bay or basin has less room than it must hold (m2)."""
+    """Capacities, raised evenly where a bay or basin has less room than it must hold (m2).
+
+    Parameters
+    ----------
+    area : ndarray
+        That each of m cells must hold (m2), (m,).
+    capacity : ndarray
+        That each can hold (m2), (m,).
+    beside : scipy.sparse.csr_matrix
+        Which cells have a common edge, (m, m).
+
+    Returns
+    -------
+    ndarray
+        m2, (m,).
+    """
     count, basin = connected_components(beside, directed=False)
     held = np.bincount(basin, weights=area, minlength=count)
     room = np.bincount(basin, weights=capacity, minlength=count)
@@ -110,12 +125,12 @@ def _mixing(area: Array, potential: Array, beside: sparse.csr_matrix) -> Move:
     return move
 
 
-def gather_crumbs(area: Array, capacity: Array, beside: sparse.csr_matrix) -> sparse.csr_matrix:
+def join_sparse_cells(area: Array, capacity: Array, beside: sparse.csr_matrix) -> sparse.csr_matrix:
     """Join what cells hold that are hardly filled with what others hold.
 
-    From the smallest on, a crumb goes to the filled neighbour along the longest side. If there is
-    none, as where a lone floe came to lie on several cells, it goes to the neighbour that holds
-    most, or to whatever is within `FARTHEST` cells.
+    From the smallest on, what such a cell holds goes to the filled neighbour along the longest
+    side. If there is none, as where a lone floe came to lie on several cells, it goes to the
+    neighbour that holds most, or to whatever is within `FARTHEST` cells.
 
     Parameters
     ----------
@@ -126,12 +141,12 @@ def gather_crumbs(area: Array, capacity: Array, beside: sparse.csr_matrix) -> sp
     -------
     csr_matrix
         (m, m), with which amounts are to be multiplied from the left; its columns add up to 1.
-        A crumb with nothing around it stays.
+        Such a cell with nothing around it stays.
     """
     held, count = area.copy(), len(area)
     goes = np.arange(count)
-    crumbs = np.flatnonzero((area > 0) & (area < LEAST_FILL * capacity))
-    for j in crumbs[np.argsort(area[crumbs], kind="stable")].tolist():
+    few = np.flatnonzero((area > 0) & (area < LEAST_FILL * capacity))
+    for j in few[np.argsort(area[few], kind="stable")].tolist():
         if held[j] >= LEAST_FILL * capacity[j]:
             continue  # others have filled it
         k = _host(j, held, capacity, beside)
@@ -163,7 +178,20 @@ def _host(j: int, held: Array, capacity: Array, beside: sparse.csr_matrix) -> in
 
 
 def enclosed(held: Flags, beside: sparse.csr_matrix) -> Flags:
-    """Cells all of whose neighbours hold an element; a cell without neighbours is none, (m,)."""
+    """Cells all of whose neighbours hold an element; a cell without neighbours is none, (m,).
+
+    Parameters
+    ----------
+    held : Flags
+        Cells that hold an element, (m,).
+    beside : scipy.sparse.csr_matrix
+        Which cells have a common edge, (m, m).
+
+    Returns
+    -------
+    Flags
+        (m,).
+    """
     near = np.asarray((beside > 0).sum(axis=1)).ravel()
     filled = np.asarray((beside > 0) @ held.astype(float)).ravel()
     return np.asarray((near > 0) & (filled == near))

@@ -18,7 +18,20 @@ Index = NDArray[np.int64]
 
 
 def element_values(state: xr.Dataset, rows: Index) -> Arrays:
-    """All element variables of some rows, by name."""
+    """All element variables of some rows, by name.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With n elements.
+    rows : Index
+        Rows of the elements, (k,).
+
+    Returns
+    -------
+    Arrays
+        (k, ...) each.
+    """
     return {
         str(name): state[name].values[rows]
         for name in state.data_vars
@@ -27,7 +40,20 @@ def element_values(state: xr.Dataset, rows: Index) -> Arrays:
 
 
 def corner_rows(count: Index, rows: Index) -> Index:
-    """Rows of the corners of some elements, element after element, from all elements' counts."""
+    """Rows of the corners of some elements, element after element, from all elements' counts.
+
+    Parameters
+    ----------
+    count : Index
+        Number of corners of each element, (n,).
+    rows : Index
+        Rows of the elements, (k,).
+
+    Returns
+    -------
+    Index
+        (corners,).
+    """
     first = np.concatenate([[0], np.cumsum(count)])
     mine = count[rows]
     start = np.concatenate([[0], np.cumsum(mine)])
@@ -63,7 +89,22 @@ def put_together(state: xr.Dataset, elements: Arrays, corners: Array | None) -> 
 
 
 def kept_pairs(table: Arrays, ids: Index, names: Index) -> Arrays:
-    """Pairs whose elements both have these ids, which are renamed in the same order."""
+    """Pairs whose elements both have these ids, which are renamed in the same order.
+
+    Parameters
+    ----------
+    table : Arrays
+        Pairs, with ``id_lo`` and ``id_hi``.
+    ids : Index
+        Ids of the elements that stay, ascending, (n,).
+    names : Index
+        Their new ids, (n,).
+
+    Returns
+    -------
+    Arrays
+        A new table.
+    """
     ends = [table[f"id_{end}"] for end in ("lo", "hi")]
     both = np.isin(ends[0], ids) & np.isin(ends[1], ids)
     out = {name: values[both] for name, values in table.items()}
@@ -84,6 +125,18 @@ def with_pairs(state: xr.Dataset, tables: dict[str, Arrays]) -> xr.Dataset:
 
     Elements that are newly at their places may overlap with others, as with the coast. Such an
     overlap is their rest overlap: it pushes no one away.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        Elements at their places.
+    tables : dict of Arrays
+        Bonds and contacts, by ``bond`` and ``contact``.
+
+    Returns
+    -------
+    xarray.Dataset
+        A new one.
     """
     contacts = tables["contact"]
     known = [np.stack([t["id_lo"], t["id_hi"]], axis=1) for t in tables.values()]
@@ -161,7 +214,20 @@ def with_walls(state: xr.Dataset, before: xr.Dataset, names: Index | None) -> xr
 
 
 def overlapping_discs(state: xr.Dataset, but: Index) -> tuple[Index, Index, Array]:
-    """Ids of pairs that overlap, but for those known (k, 2), and by how much (m)."""
+    """Ids of pairs that overlap, but for those known (k, 2), and by how much (m).
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        Elements at their places.
+    but : Index
+        Ids of pairs that are known, (k, 2).
+
+    Returns
+    -------
+    tuple of Index and ndarray
+        Ids lo and hi, (p,), and overlap (m), (p,).
+    """
     ids, radius = state["id"].values, state["radius"].values
     places = np.stack([state["x"].values, state["y"].values], axis=1)
     pairs = cKDTree(places).query_pairs(2.0 * float(radius.max()), output_type="ndarray")

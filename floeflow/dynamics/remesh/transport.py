@@ -32,7 +32,20 @@ MASS_OF = {"ice_volume": ICE_DENSITY, "snow_volume": SNOW_DENSITY}
 
 
 def sequence(names: set[str], rules: Rules) -> list[str]:
-    """Variables in an order in which each comes after what it sits on; those of mass last."""
+    """Variables in an order in which each comes after what it sits on; those of mass last.
+
+    Parameters
+    ----------
+    names : set of str
+        Variables of the elements.
+    rules : Rules
+        How each is carried.
+
+    Returns
+    -------
+    list of str
+        What has no place in the order comes last.
+    """
     done: list[str] = []
     left = sorted(name for name in names if rules[name].kind)
     while left:

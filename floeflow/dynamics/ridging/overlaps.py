@@ -24,6 +24,13 @@ def overlapping_pairs(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows and overlaps (m) of all discs that overlap, sorted; lower row first.
 
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements.
+    period : Period, optional
+        Along which axes the domain repeats itself.
+
     Raises
     ------
     FloeError
@@ -47,7 +54,7 @@ def overlapping_pairs(
 
 
 def _close_pairs(points: np.ndarray, radius: np.ndarray, period: Period | None) -> np.ndarray:
-    """Pairs that may overlap, (n, 2); classes of radius keep a few giants from meeting everybody.
+    """Pairs that may overlap, (n, 2); classes of radius spare trying a few large discs with all.
 
     A pair is looked for in the class of its larger disc, around the larger one.
     """

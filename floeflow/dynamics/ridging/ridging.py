@@ -109,7 +109,22 @@ def _shift_bonds(state: xr.Dataset, shift: np.ndarray) -> xr.Dataset:
 
 
 def contact_share(elements: Arrays, lo: np.ndarray, hi: np.ndarray) -> np.ndarray:
-    """Contact stiffness over the contact modulus, m: h_i h_j / (h_i + h_j)."""
+    """Contact stiffness over the contact modulus, m: h_i h_j / (h_i + h_j).
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    lo : ndarray
+        Rows of the k pairs.
+    hi : ndarray
+        Rows of the k pairs.
+
+    Returns
+    -------
+    ndarray
+        m, (k,).
+    """
     a, b = elements["thickness"][lo], elements["thickness"][hi]
     return np.asarray(a * b / np.maximum(a + b, np.finfo(float).tiny))
 

@@ -52,7 +52,29 @@ def wall_overlaps(state: xr.Dataset, before: Arrays, after: Arrays, time: float)
 def shift_wall_contacts(
     state: xr.Dataset, before: Arrays, after: Arrays, time: float
 ) -> xr.Dataset:
-    """Let wall contacts keep their elastic forces; those that are open and apart are forgotten."""
+    """Let wall contacts keep their elastic forces; those that are open and apart are forgotten.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With the table of wall contacts.
+    before : Arrays
+        Elements before and after their change.
+    after : Arrays
+        Elements before and after their change.
+    time : float
+        Since the start (s), by which walls have moved.
+
+    Returns
+    -------
+    xarray.Dataset
+        A new one.
+
+    Raises
+    ------
+    FloeError
+        For a wall contact of an element that does not exist.
+    """
     held = wall_overlaps(state, before, after, time)
     now = after["radius"][held.row] - held.distance
     shifted = state.assign(

@@ -78,8 +78,18 @@ def _amount(values: xr.DataArray) -> float:
     return float(np.isfinite(values.values.reshape(len(values), -1)).any(axis=1).sum())
 
 
-def tidy(axes: Axes, x: str, y: str) -> None:
-    """Labels, a faint grid, no box."""
+def style_axes(axes: Axes, x: str, y: str) -> None:
+    """Labels, a faint grid, no box.
+
+    Parameters
+    ----------
+    axes : Axes
+        Of the figure.
+    x : str
+        Labels of the axes, with units.
+    y : str
+        Labels of the axes, with units.
+    """
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
@@ -111,7 +121,7 @@ def _thickness(data: xr.Dataset, start: datetime) -> Made:
         for row, label, colour, dash in ((0, "start", FAINT, "--"), (-1, "end", BLUE, "-")):
             values = density[row][shown]
             lines.plot(middle, values, dash, color=colour, label=label, drawstyle="steps-mid")
-        tidy(lines, "Ice thickness (m)", "Share of the ice area (1/m)")
+        style_axes(lines, "Ice thickness (m)", "Share of the ice area (1/m)")
         lines.set_ylim(0)
         lines.legend()
         for time in rest:
@@ -147,11 +157,11 @@ def _edge(data: xr.Dataset, start: datetime) -> Made:
         areas, leads = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
         areas.plot(at, extent / scale, "-", color=BLUE, label="extent (15 % and more)")
         areas.plot(at, margin / scale, "--", color=VERMILION, label="marginal zone (15 to 80 %)")
-        tidy(areas, "", f"Area ({unit})")
+        style_axes(areas, "", f"Area ({unit})")
         areas.set_ylim(0, 1.25 * float(np.max(extent, initial=0.0)) / scale or 1.0)
         areas.legend(ncols=2, loc="upper center", fontsize=8.5)
         leads.plot(at, 100.0 * data["lead_fraction"].values, "-", color=GREEN)
-        tidy(leads, axis, "Open water in\nthe pack (%)")
+        style_axes(leads, axis, "Open water in\nthe pack (%)")
         leads.set_ylim(0)
     caption = (
         "Ice extent and marginal ice zone on the scene's grid, and the open share of the sea of "
@@ -202,7 +212,7 @@ def _wind(data: xr.Dataset, start: datetime) -> Made:
         seen = np.flatnonzero(counts.sum(axis=0) > 1e-5 * counts.sum())
         low, high = (drift[seen[0]], drift[seen[-1]]) if seen.size else (-0.1, 0.3)
         cloud.set_ylim(min(float(low), 0.0) - 0.02, max(float(high), 0.05) + 0.02)
-        tidy(cloud, "Wind speed at 10 m (m/s)", "Drift along\nthe wind (m/s)")
+        style_axes(cloud, "Wind speed at 10 m (m/s)", "Drift along\nthe wind (m/s)")
         cloud.legend(loc="upper left", fontsize=8.5)
         for axes, values, label in zip(
             rest,
@@ -214,7 +224,7 @@ def _wind(data: xr.Dataset, start: datetime) -> Made:
             for kind, word, colour, mark in kinds:
                 shown = np.where(known[:, kind], values[1:, kind], np.nan)
                 axes.plot(x, shown, mark, color=colour, label=word, markersize=4)
-            tidy(axes, "", label)
+            style_axes(axes, "", label)
             labels = [name[2:] if name.endswith("-01") else name[5:] for name in periods[1:]]
             axes.set_xticks(x, labels)
         if rest:
@@ -256,7 +266,7 @@ def _deformation(data: xr.Dataset, start: datetime) -> Made:
         ):
             values = 100.0 * DAY * data[f"deformation_{name}"].values
             axes.plot(at, values, dash, color=colour, label=word, marker=".", markersize=4)
-        tidy(axes, axis, "Deformation (% per day)")
+        style_axes(axes, axis, "Deformation (% per day)")
         axes.set_ylim(0)
         figure.legend(loc="outside upper right", ncols=3, fontsize=8.5)
     caption = (
@@ -300,7 +310,7 @@ def _scaling(data: xr.Dataset, start: datetime) -> Made:
         sizes.axvspan(low, high, color=FAINT, alpha=0.12, linewidth=0)
         sizes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         sizes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
-        tidy(sizes, "Scale (km)", "Moment (per day)$^q$")
+        style_axes(sizes, "Scale (km)", "Moment (per day)$^q$")
         sizes.legend(ncols=3, fontsize=8.5)
         for row, name in enumerate(seasons):
             colour, mark, dash = SEASONS[name]
@@ -320,7 +330,7 @@ def _scaling(data: xr.Dataset, start: datetime) -> Made:
         curve.plot(
             fine, 0.13 * fine**2 + 0.07 * fine, color=FAINT, label="RGPS (Marsan et al. 2004)"
         )
-        tidy(curve, "Order q of the moment", "Exponent β(q)")
+        style_axes(curve, "Order q of the moment", "Exponent β(q)")
         curve.set_xlim(0.0)
         curve.set_ylim(min(0.0, float(np.nanmin(exponent, initial=0.0))))
         curve.legend(fontsize=8.5)
@@ -354,7 +364,7 @@ def _rates(data: xr.Dataset, start: datetime) -> Made:
                 density = np.where(number > 2, number / number.sum() / width, np.nan)
                 label = f"{word}, {'triangles' if piece == 0 else 'boxes'}"
                 axes.loglog(middle, density, dash, color=colour, linewidth=thick, label=label)
-        tidy(axes, "Rate (per day)", "Probability density (days)")
+        style_axes(axes, "Rate (per day)", "Probability density (days)")
         axes.legend(fontsize=7.5, ncols=2)
     caption = (
         "Distributions of opening, closing and shear of triangles of neighbours (thick) and of "
@@ -374,11 +384,11 @@ def _lags(data: xr.Dataset, start: datetime) -> Made:
             values = data[f"velocity_correlation_{name}"].values
             memory.plot(lag, values, dash, color=colour, label=name, markersize=3.5)
         memory.axhline(0.0, color=FAINT, linewidth=0.8)
-        tidy(memory, "", "Autocorrelation of\nvelocity (1)")
+        style_axes(memory, "", "Autocorrelation of\nvelocity (1)")
         memory.legend(fontsize=8.5, ncols=2)
         parted = np.sqrt(data["pair_dispersion"].values) / 1e3
         apart.plot(lag, parted, "o-", color=GREEN, markersize=3.5)
-        tidy(apart, f"Lag ({word})", "Parting of\nneighbours (km)")
+        style_axes(apart, f"Lag ({word})", "Parting of\nneighbours (km)")
         apart.set_ylim(0)
         apart.xaxis.set_major_locator(MaxNLocator(integer=True))
     caption = (

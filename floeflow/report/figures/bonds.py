@@ -91,6 +91,18 @@ def sort_bonds(first: xr.Dataset, last: xr.Dataset) -> tuple[xr.Dataset, xr.Data
 
     Those of which both elements are still there. Where elements were remapped, the bonds of the
     last state, of which none is broken.
+
+    Parameters
+    ----------
+    first : xarray.Dataset
+        States at the start and at the end.
+    last : xarray.Dataset
+        States at the start and at the end.
+
+    Returns
+    -------
+    tuple of xarray.Dataset
+        States with those bonds alone.
     """
     if follows_start(last):
         ends = [np.isin(first[f"bond_id_{end}"], last["id"]) for end in ("lo", "hi")]

@@ -16,7 +16,20 @@ UNITS = {"J": ENERGY_UNITS, "m3": VOLUME_UNITS}
 
 
 def budget_unit(unit: str, values: np.ndarray) -> tuple[float, str]:
-    """Scale and unit in which a budget's values are best told."""
+    """Scale and unit in which a budget's values are best told.
+
+    Parameters
+    ----------
+    unit : str
+        In which the values are given.
+    values : ndarray
+        Terms of the budget.
+
+    Returns
+    -------
+    tuple of float and str
+        Divisor of the values, and the name of the unit.
+    """
     if unit in UNITS:
         return pick_unit(UNITS[unit], values)
     largest = float(np.abs(values).max(initial=0.0))

@@ -56,7 +56,19 @@ class Frame:
 
 
 def prepare_axes(axes: Axes, frame: Frame, title: str, water: ColorType = WATER) -> None:
-    """Water, land, graticule, scale bar, labels and limits of a map."""
+    """Water, land, graticule, scale bar, labels and limits of a map.
+
+    Parameters
+    ----------
+    axes : Axes
+        Of the figure.
+    frame : Frame
+        Extent (km) and projection of the map.
+    title : str
+        Above the map.
+    water : ColorType, optional
+        Its colour.
+    """
     left, right, bottom, top = frame.extent
     axes.set_facecolor(water)
     axes.set_title(title)
@@ -72,7 +84,15 @@ def prepare_axes(axes: Axes, frame: Frame, title: str, water: ColorType = WATER)
 
 
 def draw_land(axes: Axes, land: xr.DataArray) -> None:
-    """Land cells of the mask, beneath everything else."""
+    """Land cells of the mask, beneath everything else.
+
+    Parameters
+    ----------
+    axes : Axes
+        In km.
+    land : xarray.DataArray
+        Not 0 on land, on (y, x) (m).
+    """
     x, y = land["x"].values / 1e3, land["y"].values / 1e3
     half_x, half_y = (abs(axis[1] - axis[0]) / 2 if axis.size > 1 else 0.5 for axis in (x, y))
     shown = np.ma.masked_where(land.values == 0, land.values)
@@ -87,7 +107,15 @@ def draw_land(axes: Axes, land: xr.DataArray) -> None:
 
 
 def draw_scale_bar(axes: Axes, width_km: float) -> None:
-    """A bar of a round length, about a fifth of the map, in the lower left corner."""
+    """A bar of a round length, about a fifth of the map, in the lower left corner.
+
+    Parameters
+    ----------
+    axes : Axes
+        In km.
+    width_km : float
+        Width of the map (km).
+    """
     length = nice_step(width_km, 5)
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
@@ -128,7 +156,15 @@ def draw_scale_bar(axes: Axes, width_km: float) -> None:
 
 
 def draw_graticule(axes: Axes, frame: Frame) -> None:
-    """Parallels and meridians as light lines with labels."""
+    """Parallels and meridians as light lines with labels.
+
+    Parameters
+    ----------
+    axes : Axes
+        In km.
+    frame : Frame
+        Extent (km) and projection of the map.
+    """
     for kind, x, y, text in _graticule(frame):
         _line(axes, x, y)
         label = _label_parallel if kind == "parallel" else _label_meridian

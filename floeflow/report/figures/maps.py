@@ -73,6 +73,18 @@ def element_values(state: xr.Dataset, quantity: str) -> np.ndarray:
     """Thickness (m), concentration (1) or speed (m/s) of each element, (element,).
 
     Thickness is NaN where an element has no ice.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With n elements.
+    quantity : str
+        ``thickness``, ``concentration`` or ``speed``.
+
+    Returns
+    -------
+    ndarray
+        (element,).
     """
     if quantity == "speed":
         return np.hypot(state["u"].values, state["v"].values)
@@ -140,7 +152,22 @@ def element_map(
 def shape_collections(
     axes: Axes, state: xr.Dataset, shapes: Shapes
 ) -> list[tuple[Collection, np.ndarray]]:
-    """Cells and discs of a state's elements for these axes, each with the elements' indices."""
+    """Cells and discs of a state's elements for these axes, each with the elements' indices.
+
+    Parameters
+    ----------
+    axes : Axes
+        In km.
+    state : xarray.Dataset
+        Elements.
+    shapes : Shapes
+        Their cells and discs (km).
+
+    Returns
+    -------
+    list of tuple of Collection and ndarray
+        Collection, and the rows of its elements.
+    """
     found: list[tuple[Collection, np.ndarray]] = []
     if shapes.of_polygon.size:
         found.append((PolyCollection(shapes.polygons, zorder=3), shapes.of_polygon))
@@ -164,7 +191,21 @@ def shape_collections(
 def add_colour_bar(
     figure: Figure, axes: Axes, quantity: Quantity, limits: tuple[float, float], beyond: bool
 ) -> None:
-    """Colour bar of a quantity beside a map, pointed where values lie beyond its end."""
+    """Colour bar of a quantity beside a map, pointed where values lie beyond its end.
+
+    Parameters
+    ----------
+    figure : Figure
+        That is drawn.
+    axes : Axes
+        Of the map.
+    quantity : Quantity
+        Its colours and label.
+    limits : tuple of float
+        Ends of the scale, in the unit of the label.
+    beyond : bool
+        Whether values lie beyond the upper end.
+    """
     mappable = ScalarMappable(Normalize(*limits), quantity.cmap)
     extend = "max" if beyond else "neither"
     bar = figure.colorbar(mappable, ax=axes, shrink=0.86, pad=0.02, aspect=28, extend=extend)
@@ -217,7 +258,25 @@ def draw_arrows(
     v: np.ndarray,
     unit: str,
 ) -> None:
-    """Arrows of box means with a key of a round length; nothing where all are at rest."""
+    """Arrows of box means with a key of a round length; nothing where all are at rest.
+
+    Parameters
+    ----------
+    axes : Axes
+        Of the figure.
+    frame : Frame
+        Extent (km) and projection of the map.
+    x : ndarray
+        Places (km), (n,).
+    y : ndarray
+        Places (km), (n,).
+    u : ndarray
+        Components, (n,).
+    v : ndarray
+        Components, (n,).
+    unit : str
+        Of the components.
+    """
     x, y, u, v = box_means(frame, x, y, u, v)
     lengths = np.hypot(u, v)
     # Most arrows of a fitting length; the few fastest may reach further.

@@ -120,14 +120,42 @@ def look() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure (inches) with room made for labels as they come."""
+    """An empty figure (inches) with room made for labels as they come.
+
+    Parameters
+    ----------
+    width : float
+        inches.
+    height : float
+        inches.
+
+    Returns
+    -------
+    Figure
+        With constrained layout.
+    """
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
 
 def write_png(figure: Figure, path: Path, dpi: int) -> bytes:
-    """Write a figure as PNG, and return its bytes."""
+    """Write a figure as PNG, and return its bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+        That is drawn.
+    path : Path
+        PNG file.
+    dpi : int
+        Pixels per inch.
+
+    Returns
+    -------
+    bytes
+        Of the file.
+    """
     with look():
         plain_ticks(figure)
         figure.savefig(path, dpi=dpi, format="png", metadata={"Software": "FloeFlow"})
@@ -168,7 +196,20 @@ def common_limits(quantity: Quantity, *fields: np.ndarray) -> tuple[float, float
 
 
 def nice_step(span: float, most: int) -> float:
-    """Smallest of 1, 2, 5 x 10^n that cuts a span into at most that many parts."""
+    """Smallest of 1, 2, 5 x 10^n that cuts a span into at most that many parts.
+
+    Parameters
+    ----------
+    span : float
+        Positive, in any unit.
+    most : int
+        Number of parts.
+
+    Returns
+    -------
+    float
+        In the unit of the span.
+    """
     if not span > 0:
         return 1.0
     raw = span / most

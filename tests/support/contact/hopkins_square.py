@@ -23,6 +23,7 @@ from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.packings.tessellation import power_diagram
 from floeflow.state.bonds import Arrays, new_bonds
+from support.full_ice import full_params
 
 SIDE, SMALLEST, LARGEST, FILLED = 400e3, 3e3, 5e3, 0.78
 GRADIENT = 1.44e-6  # Pa/m
@@ -83,8 +84,8 @@ def outward_wind(params: EngineParams, side: float = SIDE) -> Forcing:
 
 def stable(elements: Arrays, bonds: Arrays) -> EngineParams:
     """Parameters with 0.4 of the critical step."""
-    step = 0.4 * critical_step(elements, bonds, EngineParams(time_step=1.0, **LAWS))[0]
-    return EngineParams(time_step=step, **LAWS)
+    step = 0.4 * critical_step(elements, bonds, full_params(time_step=1.0, **LAWS))[0]
+    return full_params(time_step=step, **LAWS)
 
 
 def aggregates(count: int, bonds: Arrays) -> np.ndarray:

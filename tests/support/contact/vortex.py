@@ -17,6 +17,7 @@ from mpi4py import MPI
 from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
 from floeflow.state import walls
 from floeflow.state.bonds import Arrays
+from support.full_ice import full_params
 from support.rafts import discs
 
 BOX, RADIUS = 500e3, 2500.0
@@ -47,7 +48,7 @@ def box(places: np.ndarray, thickness: float | np.ndarray, seed: int) -> Arrays:
 
 def springs(step: float) -> EngineParams:
     """Springs without damping or friction. Two slabs in series have half of the modulus."""
-    return EngineParams(
+    return full_params(
         time_step=step, friction=False, contact_damping=0.0, contact_modulus=2 * STIFFNESS,
         wind=True, ocean_drag=True, wind_stress_factor=AIR, ocean_stress_factor=WATER,
     )  # fmt: skip

@@ -16,11 +16,12 @@ from mpi4py import MPI
 from scipy.spatial import cKDTree
 
 from floeflow.coupling.initial import make_state
-from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.engine.engine import Engine, Forcing
 from floeflow.dynamics.ridging.ridging import close_areas
 from floeflow.scene.load import parse_scene
 from floeflow.state.elements import element_arrays, moved_state, pair_arrays
 from support.contact import vortex
+from support.full_ice import full_params
 
 SCENE = b"""
 effects: [wind, ocean_drag, friction, ridging, walls]
@@ -62,7 +63,7 @@ def start(thickness: np.ndarray) -> xr.Dataset:
 
 def run(log: Path, state: xr.Dataset, step: float, hours: float) -> tuple[xr.Dataset, Worst]:
     """State after some hours, and the largest overlaps on the way."""
-    params = EngineParams(time_step=step, **LAWS)
+    params = full_params(time_step=step, **LAWS)
     faces, worst = pair_arrays(state, "wall_face"), Worst()
     u, v = vortex.STILL[:, None]
     fields = {"wind_u": u, "wind_v": v, "ocean_u": 0 * u, "ocean_v": 0 * v}

@@ -31,7 +31,7 @@ HOUR = 3600.0
 WINDOW = 6.0 * HOUR
 EFFECTS = "wind, ocean_drag, coriolis, friction, bonds, coast, ridging"
 # What a window's end does about distortion: effect and keys.
-CURES = {
+REMESHING = {
     "none": ("", ""),
     "remap": (", remap", ""),
     "remap every window": (", remap", "remap: {every: 1}\n"),
@@ -55,27 +55,27 @@ def bay() -> xr.Dataset:
 class Setting:
     """What window ends do, scene, state 0, fresh cells and the wind (m/s)."""
 
-    cure: str
+    remesh: str
     scene: Scene
     state: xr.Dataset
     cells: Cells | None
     wind: tuple[float, float]
 
 
-def setting(cure: str, elements: int, wind: tuple[float, float] = (-WIND, 0.0)) -> Setting:
+def setting(remesh: str, elements: int, wind: tuple[float, float] = (-WIND, 0.0)) -> Setting:
     """Pack of so many elements.
 
     Parameters
     ----------
-    cure : str
-        One of `CURES`.
+    remesh : str
+        One of `REMESHING`.
     elements : int
         Number of mobile elements to aim at.
     wind : tuple of float
         Along x and y, m/s.
     """
     mask = bay()
-    effect, keys = CURES[cure]
+    effect, keys = REMESHING[remesh]
     text = f"name: jam\neffects: [{EFFECTS}{effect}]\n{KEYS}{keys}"
     scene = parse_scene(f"{text}packing: {{elements: {elements}}}".encode(), "jam")
     packed = packing.make_packing(mask, scene.packing, scene.seed)
@@ -83,7 +83,7 @@ def setting(cure: str, elements: int, wind: tuple[float, float] = (-WIND, 0.0)) 
     fresh = None
     if "remap" in scene.effects:
         fresh = read_cells(cells.make_cells(mask, packed, scene.seed))
-    return Setting(cure, scene, initial.make_state(scene, packed, glued), fresh, wind)
+    return Setting(remesh, scene, initial.make_state(scene, packed, glued), fresh, wind)
 
 
 def forcing(at: Setting, seconds: float) -> xr.Dataset:

@@ -18,6 +18,7 @@ from floeflow.dynamics.engine.params import FIXED
 from floeflow.dynamics.ridging.overlaps import overlapping_pairs
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.state.bonds import Arrays
+from support.full_ice import full_params
 from support.rafts import ICE, lattice, uniform
 from support.stability.packs import chain, mixed_lattice
 
@@ -59,7 +60,7 @@ PRESSED = {
 def at_rest(log: Path, name: str) -> Arrays:
     """A pressed pack that has come to rest, without friction, in strongly damped contacts."""
     pack = PRESSED[name]()
-    laws = EngineParams(time_step=1.0, friction=False, contact_damping=1.0, ocean_drag=True)
+    laws = full_params(time_step=1.0, friction=False, contact_damping=1.0, ocean_drag=True)
     laws = replace(laws, time_step=0.65 * critical_step(pack, None, laws)[0])
     with Engine(MPI.COMM_SELF, laws, log) as engine:
         engine.load(pack)

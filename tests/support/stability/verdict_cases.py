@@ -30,6 +30,7 @@ from stability.test_long import LAWS as RAFT_LAWS
 from stability.test_mass import LAWS as WIND_LAWS
 from stability.test_mass import fastest_drift, jumping, mixed_masses
 from stability.test_shatter import LAWS as BOND_LAWS
+from support.full_ice import full_params
 from support.rafts import discs, lattice, uniform
 from support.stability import jam
 from support.stability.packs import neighbours, shaken, squeezed
@@ -58,7 +59,7 @@ def bits(*tables: Arrays) -> str:
 def vanishing_mass(comm: MPI.Comm, log: Path) -> Shown:
     """Case 1: masses a billion apart in touch, under a wind that jumps with each step."""
     pack = mixed_masses()
-    params = default_step(pack, None, EngineParams(time_step=1.0, **WIND_LAWS), 0.8)
+    params = default_step(pack, None, full_params(time_step=1.0, **WIND_LAWS), 0.8)
     wind = jumping(params.time_step, 400)
     seen = watch(log, pack, params, 300 * params.time_step, forcing=wind, samples=4, comm=comm)
     slow = seen.largest_speed < 1.01 * fastest_drift(params)
@@ -96,7 +97,7 @@ def overlapping_start(comm: MPI.Comm, log: Path) -> Shown:
     """Case 3: discs with a tenth of overlap stay at rest."""
     pack = squeezed(lattice(8, 8), 0.1)
     contacts = rest_overlaps(pack, None, empty_pairs(CONTACT_COLUMNS))
-    params = default_step(pack, None, EngineParams(time_step=1.0, ocean_drag=True), 0.8)
+    params = default_step(pack, None, full_params(time_step=1.0, ocean_drag=True), 0.8)
     seen = watch(
         log, pack, params, 200 * params.time_step, None, contacts, STILL, samples=4, comm=comm
     )
@@ -108,7 +109,7 @@ def radius_of_nothing(comm: MPI.Comm, log: Path) -> Shown:
     """Case 3: refused, and the element named."""
     pack = lattice(4, 4)
     pack["radius"][10] = 0.0
-    watch(log, pack, EngineParams(time_step=1.0), 10.0, comm=comm)
+    watch(log, pack, full_params(time_step=1.0), 10.0, comm=comm)
     return {"exact": {}, "close": {}}
 
 
@@ -125,11 +126,11 @@ def arch_over_a_strait(comm: MPI.Comm, log: Path) -> Shown:
     return {"exact": of(seen) | exact, "close": {"largest_speed": seen.largest_speed}}
 
 
-def jam_in_windows(cure: str) -> Case:
+def jam_in_windows(remesh: str) -> Case:
     """Case 4: two windows against the coast, areas closed, elements replaced or merged."""
 
     def case(comm: MPI.Comm, log: Path) -> Shown:
-        at = jam.setting(cure, 40)
+        at = jam.setting(remesh, 40)
         seen = jam.press(at, 2, log, comm)
         energy = seen.energy()
         exact = {
@@ -175,7 +176,7 @@ def one_element(comm: MPI.Comm, log: Path) -> Shown:
     """Case 7: a scene of one element, which goes its circle while all ranks but one have none."""
     pack = discs([0.0], [0.0])
     pack["u"][:] = 1.0
-    params = replace(EngineParams(time_step=10.0, coriolis=True), deterministic=True)
+    params = replace(full_params(time_step=10.0, coriolis=True), deterministic=True)
     seen = watch(log, pack, params, 2e4, forcing=STILL, samples=4, comm=comm)
     speed = float(np.hypot(seen.elements["u"], seen.elements["v"])[0])
     exact = of(seen) | {"bits": bits(seen.elements)}
@@ -186,7 +187,7 @@ def two_far_apart(comm: MPI.Comm, log: Path) -> Shown:
     """Case 7: islands of one element each; most ranks hold none."""
     pack = discs([0.0, 3e5], [0.0, 2e5], [1000.0, 300.0])
     pack["u"][:] = 0.5
-    params = EngineParams(time_step=10.0, **WIND_LAWS)
+    params = full_params(time_step=10.0, **WIND_LAWS)
     wind = uniform((10.0, 5.0), (0.1, 0.1), CORIOLIS)
     seen = watch(log, pack, params, 5e3, forcing=wind, samples=4, comm=comm)
     return {"exact": of(seen), "close": {"largest_speed": seen.largest_speed}}
@@ -216,7 +217,7 @@ CASES: dict[str, Case] = {
     "3 overlapping start": overlapping_start,
     "3 radius of nothing": radius_of_nothing,
     "4 arch over a strait": arch_over_a_strait,
-    "4 jam, no cure": jam_in_windows("none"),
+    "4 jam, no remeshing": jam_in_windows("none"),
     "4 jam, remap": jam_in_windows("remap every window"),
     "4 jam, merge": jam_in_windows("merge"),
     "5 shattering": shattering,

@@ -17,8 +17,7 @@ from floeflow.core.plugin import plugin_path
 from floeflow.core.vectors import map_to_east_north, north_angle
 from floeflow.coupling import initial
 from floeflow.coupling.chunk import Chunk, run_chunk
-from floeflow.forcings import analytic
-from floeflow.forcings import cf_variables as names
+from floeflow.forcings import analytic, cf_variables
 from floeflow.masks import land, mask
 from floeflow.packings import bonds, packing
 from floeflow.packings import fresh_cells as cells
@@ -85,7 +84,7 @@ def forcing_file(scene: Scene, path: Path, days: int) -> None:
     series = [weather(date) for date in dates]
     for name in forcing_variables(scene.effects):
         if name in series[0]:
-            quantity = names.QUANTITIES[name]
+            quantity = cf_variables.QUANTITIES[name]
             values = np.array([each[name] for each in series])[:, None, None]
             attrs = {"units": quantity.si, "standard_name": quantity.standard[0]}
             whole = np.broadcast_to(values, shape).astype(np.float32)

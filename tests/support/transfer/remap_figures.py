@@ -60,7 +60,7 @@ def squeezed(runs: Mapping[str, Squeeze]) -> Figure:
     figure, axes = plt.subplots(1, 3, figsize=(10.5, 3.6), layout="constrained")
     for name, run in runs.items():
         window = np.arange(1, len(run.step) + 1)
-        label = name or "no cure"
+        label = name or "no remeshing"
         look = {"linestyle": LINES[name], "marker": ".", "label": label}
         axes[0].plot(window, run.step, **look)
         axes[1].plot(window, run.elements, **look)
@@ -81,7 +81,7 @@ def cost(runs: Mapping[str, Squeeze]) -> Figure:
     for name, run in runs.items():
         window = np.arange(1, len(run.steps) + 1)
         work = np.array(run.steps) * np.array(run.elements) / 1e6
-        axes.plot(window, work, linestyle=LINES[name], marker=".", label=name or "no cure")
+        axes.plot(window, work, linestyle=LINES[name], marker=".", label=name or "no remeshing")
     axes.set_xlabel("window")
     axes.set_ylabel("million element-steps per window")
     axes.set_ylim(bottom=0)

@@ -55,10 +55,10 @@ class Squeeze:
     fault: str
 
 
-def setting(cure: str, elements: int, windows: int) -> Scene:
+def setting(remesh: str, elements: int, windows: int) -> Scene:
     """Scene of the squeeze: half the width after so many windows, if ice follows the current."""
     window = 0.25 * WIDTH / SPEED / windows
-    effects = "ocean_drag, friction, bonds, ridging" + (f", {cure}" if cure else "")
+    effects = "ocean_drag, friction, bonds, ridging" + (f", {remesh}" if remesh else "")
     return scene(elements, effects, KEYS.format(strength=STRENGTH, window=window))
 
 
@@ -81,14 +81,14 @@ def width_of(state: xr.Dataset) -> float:
     return float(np.sqrt(volume @ (x - mean) ** 2 / volume.sum()))
 
 
-def squeeze(cure: str, elements: int, windows: int, folder: Path) -> Squeeze:
-    """Squeeze a pack with remapping, merging or no cure (empty)."""
-    settings = setting(cure, elements, windows)
+def squeeze(remesh: str, elements: int, windows: int, folder: Path) -> Squeeze:
+    """Squeeze a pack with remapping, merging or no remeshing (empty)."""
+    settings = setting(remesh, elements, windows)
     mask = square_sea(lambda x, y: (np.abs(x) < 0.5 * WIDTH) & (np.abs(y) < 0.5 * HEIGHT))
     mask["sithick"] = THICKNESS / 2.0 * mask["sithick"]
     packed = packing.make_packing(mask, settings.packing, settings.seed)
     state = initial.make_state(settings, packed, bonds.make_bonds(packed, 0.2, 0.8))
-    fresh = read_cells(cells.make_cells(mask, packed, settings.seed)) if cure == "remap" else None
+    fresh = read_cells(cells.make_cells(mask, packed, settings.seed)) if remesh == "remap" else None
     out = Squeeze([], [], [], [], [], [], "")
     first = width_of(state)
     for _ in range(windows):

@@ -68,8 +68,8 @@ def test_known_layouts_say_the_same(name: str, text: str, tmp_path: Path):
     [
         ("time,lon\n2020-01-30,5\n", "line 1 names no column for lat"),
         ("lon,lat\n5,80\n", "line 1 names no column for time"),
-        ("time,lon,lat\n30 Jan,5,80\n", "line 2: time '30 Jan' is no date"),
-        ("time,lon,lat\n2020-01-30,5,eighty\n", "line 2: lat 'eighty' is no number"),
+        ("time,lon,lat\n30 Jan,5,80\n", "line 2: time '30 Jan' is not a date"),
+        ("time,lon,lat\n2020-01-30,5,eighty\n", "line 2: lat 'eighty' is not a number"),
         ("time,lon,lat\n2020-01-30,5,98\n", "line 2: longitude 5 and latitude 98 are no place"),
         ("time,lon,lat\n2020-01-30,5\n", "line 2 has 2 columns, not 3"),
         ("time,lon,lat\n", "no line below its names has a place"),

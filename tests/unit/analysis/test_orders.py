@@ -18,10 +18,11 @@ from mpi4py import MPI
 from floeflow.analysis.studies.orders import observed_order
 from floeflow.core.grids import scene_grid
 from floeflow.coupling.coupled_windows import advance_window
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.scene import Scene
 from floeflow.scene.effects import forcing_variables
 from floeflow.scene.load import build_scene
+from support.full_ice import full_params
 from support.rafts import bonded, discs, lattice, uniform
 from support.synthetic import SPACING, WIDTH, X0, Y0, first_state, make_packing
 
@@ -41,7 +42,7 @@ def wave(log: Path, step: float, seconds: float) -> np.ndarray:
     # velocity, which belongs to half a step before, is the same to second order.
     raft["u"] = 1e-2 * np.sin(2.0 * math.pi * raft["x"] / np.ptp(raft["x"]))
     raft["v"] = 1e-2 * np.cos(math.pi * raft["x"] / np.ptp(raft["x"]))
-    params = EngineParams(
+    params = full_params(
         time_step=step, bonds=True, bond_damping=0.0, compressive_strength=1e7, friction=False
     )
     with Engine(SELF, params, log) as engine:
@@ -61,7 +62,7 @@ def test_a_smooth_bonded_wave_is_second_order(tmp_path: Path):
 
 def drift(log: Path, step: float) -> np.ndarray:
     """Velocity of thin floating ice an hour after the wind rose."""
-    params = EngineParams(time_step=step, wind=True, ocean_drag=True)
+    params = full_params(time_step=step, wind=True, ocean_drag=True)
     with Engine(SELF, params, log) as engine:
         engine.load(discs(0.0, 0.0, thickness=2.0))
         engine.set_forcing(uniform(wind=(10.0, 0.0)))

@@ -187,9 +187,12 @@ def units(name: str, text: str) -> Callable[[xr.Dataset], None]:
     [
         (spoil("t2m", np.nan), "'t2m' is missing or not finite at 2020-01-02 06:00:00"),
         (spoil("u10", np.inf), "'u10' is missing or not finite at 2020-01-02 06:00:00"),
-        (spoil("u10", 1e6), "'u10' is 1e.06 at 2020-01-02 06:00:00, outside -150 to 150"),
-        (spoil("ssrd", 1e9), "'ssrd' is 277778 at 2020-01-02 05:30:00"),
-        (units("t2m", "degC"), "'t2m' is 5\\d\\d.* outside 150 to 350: check its units"),
+        (
+            spoil("u10", 1e6),
+            "'u10' is 1e.06 m s-1 at 2020-01-02 06:00:00, outside -150 to 150 m s-1",
+        ),
+        (spoil("ssrd", 1e9), "'ssrd' is 277778 W m-2 at 2020-01-02 05:30:00"),
+        (units("t2m", "degC"), "'t2m' is 5\\d\\d.* K .* outside 150 to 350 K: check its units"),
         (units("msl", "furlong"), "'msl' has units 'furlong', not such as Pa"),
         (lambda d: d.drop_vars("t2m"), "has no air_temperature: no standard_name air_temp"),
         (lambda d: d.drop_vars("u10"), "has no wind: no standard_names eastward_wind and"),
@@ -217,7 +220,7 @@ def test_bad_forcing_is_one_sentence(tmp_path: Path, change, sentence: str):
         (["--layers", "1"], "--layers must be 2 or more"),
         (["--lon", "3"], "--lon and --lat come together"),
         (["--ponds", "--scheme", "zero_layer"], "--ponds needs --scheme bl99 or mushy"),
-        (["--scheme", "mushy", "--salinity", "0"], "--salinity must be 0.5 or more with --sch"),
+        (["--scheme", "mushy", "--salinity", "0"], r"--salinity must be 0.5 \(1e-3\) or more"),
         (["--mixed-layer-depth", "nan"], "--mixed-layer-depth must be above zero"),
     ],
 )

@@ -131,7 +131,7 @@ def test_equal_steps(end, longest, steps):
 
 def test_unknown_scheme_and_empty_window():
     sample = column_sampler(forcing_data(), np.zeros(6), np.zeros(6))
-    with pytest.raises(FloeError, match="'two_layer' is no scheme"):
+    with pytest.raises(FloeError, match="unknown scheme 'two_layer'"):
         advance_columns({}, sample, (0.0, 1.0), Settings(scheme="two_layer"))
     with pytest.raises(FloeError, match="no steps of"):
         advance_window(some_state(), sample, 5.0, 5.0, 1.0, ColumnParams())

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.core.atomic_write import write_text, write_whole
+from floeflow.core.atomic_write import write_atomically, write_text
 from floeflow.core.errors import FloeError
 
 
@@ -18,7 +18,10 @@ def test_a_fault_leaves_the_old_file_alone(tmp_path: Path, fault: Exception) -> 
     write_text("old", path)
     told = isinstance(fault, OSError)
     words = r"a\.txt: cannot be written: No space" if told else "odd"
-    with pytest.raises(FloeError if told else ValueError, match=words), write_whole(path) as new:
+    with (
+        pytest.raises(FloeError if told else ValueError, match=words),
+        write_atomically(path) as new,
+    ):
         new.write_text("half")
         raise fault
     assert path.read_text() == "old" and list(path.parent.iterdir()) == [path]

@@ -14,7 +14,7 @@ from mpi4py import MPI
 from floeflow.coupling.coupled_windows import ashore
 from floeflow.coupling.initial import make_state
 from floeflow.dynamics.motion import move
-from floeflow.dynamics.remesh.remesh import cure
+from floeflow.dynamics.remesh.remesh import remesh
 from floeflow.packings.bonds import make_bonds
 from floeflow.packings.coastline import coastline, off_shore
 from floeflow.packings.elements import grid_of
@@ -141,7 +141,7 @@ def test_no_centre_goes_ashore_in_days_of_wind(tmp_path: Path, speed: float) -> 
             change = budget[f"momentum_{axis}_end"] - budget[f"momentum_{axis}_start"]
             size = sum(abs(budget[f"impulse_{n}_y"]) for n in ("wind", "ocean", "coast"))
             assert abs(change - given) < 1e-8 * size
-        state, _ = cure(scene, motion.state, None)
+        state, _ = remesh(scene, motion.state, None)
         state.attrs |= {"time": (k + 1) * WINDOW, "window": k + 1}
         check_state(state)
         assert not len(on_land(state, land)), f"window {k + 1}"

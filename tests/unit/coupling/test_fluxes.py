@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -113,6 +115,16 @@ def started(scene_file: Path) -> IceModel:
     return model
 
 
+def test_the_block_of_the_page_runs(scene_file: Path, project: Path) -> None:
+    text = (project / "docs/how-to/coupling.md").read_text()
+    (block,) = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
+    there: dict[str, Any] = {}
+    own = block.replace("config/scenes/smoke.yaml", str(scene_file))
+    assert own != block
+    exec(compile(own, "coupling.md", "exec"), there)
+    assert there["ocean_gets"].shape == (8, 8) and np.isfinite(there["ocean_gets"]).all()
+
+
 def test_what_the_grid_gets_is_what_the_elements_gave(scene_file: Path) -> None:
     model = started(scene_file)
     model.update()
@@ -207,7 +219,7 @@ def test_names_shapes_and_units(scene_file: Path) -> None:
         (lambda: model.set_value("sunshine", 1.0), "'sunshine' is not read by the scene's effects"),
         (lambda: model.set_value("wind_u", np.zeros(3)), r"has the shape \(3,\), not \(8, 8\)"),
         (lambda: model.set_value("wind_u", np.nan), "values that are not finite"),
-        (lambda: model.get_value("heat_ocean"), "is no output of the scene now"),
+        (lambda: model.get_value("heat_ocean"), "is not an output of the scene now"),
         (lambda: model.update_until(100.0), "no coupling window of 7200 s ends at 100 s"),
         (lambda: model.write_fluxes("x.nc"), "no fluxes before the first window"),
     ):

@@ -14,9 +14,10 @@ from floeflow.column.forcing import sample_series
 from floeflow.core.discs import disc_places
 from floeflow.core.grids import Grid
 from floeflow.coupling.fluxes import spread
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.dynamics.motion import engine_forcing
 from floeflow.scene import Scene
+from support.full_ice import full_params
 from tests.support.rafts import discs
 
 AXIS = 2000.0 * (np.arange(12) + 0.5)
@@ -50,7 +51,7 @@ def test_dynamics_column_and_the_way_back_agree(tmp_path: Path, at: str, wind_me
     # Some are larger than the grid's cells, some lie within one.
     radius = np.resize([1400.0, 3000.0, 300.0], 9)
     elements, forcing = discs(x, y, radius), gusts()
-    params = EngineParams(time_step=100.0, wind=True)
+    params = full_params(time_step=100.0, wind=True)
     with Engine(MPI.COMM_SELF, params, tmp_path / "log") as engine:
         engine.load(elements)
         engine.set_forcing(engine_forcing(Scene.model_validate(keys), forcing, params.external))

@@ -16,7 +16,6 @@ from floeflow.core.near import deepest_overlap
 from floeflow.core.period import distances_of, period_of, wrapped
 from floeflow.coupling.coupled_windows import advance_window
 from floeflow.coupling.first_state import First, first_pack, first_state
-from floeflow.dynamics.engine.params import EngineParams
 from floeflow.dynamics.ridging.overlaps import rest_overlaps
 from floeflow.dynamics.step.contact_room import contact_room
 from floeflow.scene.blocks import Scene
@@ -24,6 +23,7 @@ from floeflow.scene.load import parse_scene
 from floeflow.state.bonds import CONTACT_COLUMNS, empty_pairs
 from floeflow.state.files import read_state, write_state
 from floeflow.state.schema import check_state
+from support.full_ice import full_params
 from support.rafts import discs
 from support.ranks import TESTS, mpirun
 
@@ -208,7 +208,7 @@ def test_neighbours_across_a_side_count_for_overlaps_and_the_time_step() -> None
     np.testing.assert_allclose(found["rest_overlap"], [1800.0])
     assert len(rest_overlaps(pair, None, empty_pairs(CONTACT_COLUMNS))["id_lo"]) == 0
     alone, both = (
-        contact_room(pair, EngineParams(1.0, period=each), 10.0) for each in (None, bounds)
+        contact_room(pair, full_params(1.0, period=each), 10.0) for each in (None, bounds)
     )
     assert (alone.stiffness == 0.0).all() and (both.stiffness > 0.0).all()
 

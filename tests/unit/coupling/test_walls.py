@@ -138,7 +138,7 @@ def test_bad_meshes_are_refused(tmp_path: Path) -> None:
     (tmp_path / "text.stl").write_text("not a mesh at all\n")
     assert "text.stl" in fault("text.stl") and "mesh" in fault("text.stl")
     (tmp_path / "a.xyz").write_text("1 2 3\n")
-    assert fault("a.xyz").endswith("is no triangle mesh that can be read")
+    assert fault("a.xyz").endswith("is not a triangle mesh that can be read")
     quad = meshio.Mesh(np.eye(4, 3), [("quad", np.array([[0, 1, 2, 3]]))])
     meshio.write(tmp_path / "quad.vtk", quad)
     assert fault("quad.vtk").endswith("a mesh of triangles and nothing else; found quad")

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from floeflow.column import schemes
 from floeflow.coupling import columns as coupling
-from floeflow.coupling import coupled_windows as march
+from floeflow.coupling import coupled_windows
 from floeflow.scene import Scene, parse_scene
 from support.remesh_cases import coast_case
 from unit.column.test_forcing import forcing_data
@@ -37,7 +37,7 @@ def test_the_column_takes_a_step_of_no_elements(scheme: str, monkeypatch: pytest
         return plain(columns, sample, span, *more)
 
     monkeypatch.setattr(coupling, "advance_slice", advance)
-    march.warm_up(MPI.COMM_SELF, scene, state, forcing_data())
+    coupled_windows.warm_up(MPI.COMM_SELF, scene, state, forcing_data())
     assert asked == [(0, (0.0, 3600.0))]
     xr.testing.assert_identical(state, before)
 
@@ -46,6 +46,8 @@ def test_a_scene_without_columns_has_nothing_to_warm(monkeypatch: pytest.MonkeyP
     def never(*_: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr(march, "advance_columns", never)
+    monkeypatch.setattr(coupled_windows, "advance_columns", never)
     scene = parse_scene(b"name: a\neffects: [wind]\n", "a")
-    march.warm_up(MPI.COMM_SELF, scene, xr.Dataset({"area": ("element", np.ones(2))}), xr.Dataset())
+    coupled_windows.warm_up(
+        MPI.COMM_SELF, scene, xr.Dataset({"area": ("element", np.ones(2))}), xr.Dataset()
+    )

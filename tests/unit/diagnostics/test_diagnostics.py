@@ -231,7 +231,7 @@ def test_missing_variable_names_file_and_variable(copy: Run):
 def test_broken_cost_file_is_named(copy: Run, text: str):
     path = copy.chunk_of("cost", 1, ".json")
     path.write_text(text)
-    with pytest.raises(FloeError, match="0002.json: is no list of benchmark records"):
+    with pytest.raises(FloeError, match="0002.json: is not a list of benchmark records"):
         read_cost([path])
 
 

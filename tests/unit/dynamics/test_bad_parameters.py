@@ -18,6 +18,7 @@ from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.dynamics.engine.params import FIXED
 from floeflow.scene.blocks import Dynamics, Scene
 from floeflow.scene.load import parse_scene
+from support.full_ice import full_params
 from support.rafts import bonded, lattice
 
 # Of the engine's parameters: those that may be of either sign, those that may be 0.
@@ -49,13 +50,13 @@ def scene_of(dynamics: str) -> Scene:
 def test_a_number_of_the_engine_is_refused(name: str) -> None:
     for value in (math.nan, math.inf, -math.inf):
         with pytest.raises(FloeError, match=rf"^{name} must be finite, not -?(nan|inf)\.$"):
-            EngineParams(**{"time_step": 1.0, name: value})
+            full_params(**{"time_step": 1.0, name: value})
     if name not in SIGNED:
         with pytest.raises(FloeError, match=rf"^{name} must "):
-            EngineParams(**{"time_step": 1.0, name: -1.0})
+            full_params(**{"time_step": 1.0, name: -1.0})
     if name not in SIGNED | MAY_BE_ZERO:
         with pytest.raises(FloeError, match=rf"^{name} must "):
-            EngineParams(**{"time_step": 1.0, name: 0.0})
+            full_params(**{"time_step": 1.0, name: 0.0})
 
 
 @pytest.mark.parametrize(
@@ -63,7 +64,7 @@ def test_a_number_of_the_engine_is_refused(name: str) -> None:
 )
 def test_a_period_that_is_no_rectangle_is_refused(period: tuple[float, ...]) -> None:
     with pytest.raises(FloeError, match="^period must be west, south, east and north edges"):
-        EngineParams(time_step=1.0, period=period)
+        full_params(time_step=1.0, period=period)
 
 
 @pytest.mark.parametrize("name", KEYS)
@@ -78,7 +79,7 @@ def test_a_number_of_the_plugin_is_refused(tmp_path: Path, name: str) -> None:
     # The commands themselves, as in an input script.
     faults = {"nan": "is not finite", "inf": "is not finite", "much": "must be a number"}
     faults["-1.0"] = "must (not be negative|be above 0)"
-    with Engine(MPI.COMM_SELF, EngineParams(time_step=1.0), tmp_path / "log") as engine:
+    with Engine(MPI.COMM_SELF, full_params(time_step=1.0), tmp_path / "log") as engine:
         for value, fault in faults.items():
             engine.load(lattice(2, 1))
             with pytest.raises(FloeError, match=rf"pair_style gran model floe: {name} {fault}"):
@@ -91,7 +92,7 @@ def test_a_number_of_the_plugin_is_refused(tmp_path: Path, name: str) -> None:
 )
 def test_a_number_of_an_element_is_refused(tmp_path: Path, name: str) -> None:
     values = [math.nan, math.inf, *([0.0, -1.0] if name in ZERO_ELEMENT else [])]
-    with Engine(MPI.COMM_SELF, EngineParams(time_step=1.0), tmp_path / "log") as engine:
+    with Engine(MPI.COMM_SELF, full_params(time_step=1.0), tmp_path / "log") as engine:
         for value in values:
             raft = lattice(3, 2)
             raft[name][4] = value
@@ -102,7 +103,7 @@ def test_a_number_of_an_element_is_refused(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize("name", ["span", "thickness", "crack_a", "crack_b", "lo_ax", "hi_by"])
 def test_a_number_of_a_bond_is_refused(tmp_path: Path, name: str) -> None:
     raft = lattice(3, 2)
-    with Engine(MPI.COMM_SELF, EngineParams(time_step=1.0, bonds=True), tmp_path / "log") as engine:
+    with Engine(MPI.COMM_SELF, full_params(time_step=1.0, bonds=True), tmp_path / "log") as engine:
         for value in (math.nan, math.inf, *([] if "_a" in name or "_b" in name else [-1.0])):
             table = bonded(raft)
             table[name][1] = value
@@ -113,7 +114,7 @@ def test_a_number_of_a_bond_is_refused(tmp_path: Path, name: str) -> None:
 def test_elements_that_cannot_move_are_no_fault(tmp_path: Path) -> None:
     raft = lattice(3, 2)
     raft["type"][:] = FIXED
-    with Engine(MPI.COMM_SELF, EngineParams(time_step=1.0), tmp_path / "log") as engine:
+    with Engine(MPI.COMM_SELF, full_params(time_step=1.0), tmp_path / "log") as engine:
         engine.load(raft)
         engine.run(2)
         np.testing.assert_array_equal(engine.elements()["x"], raft["x"])

@@ -13,9 +13,10 @@ from floeflow.dynamics.step import contact_room as contactroom
 from floeflow.dynamics.step.contact_room import contact_room, element_kinds
 from floeflow.dynamics.step.stiffness import pack_stiffness
 from floeflow.state.bonds import Arrays
+from support.full_ice import full_params
 from support.rafts import discs, lattice
 
-LAWS = EngineParams(time_step=1.0, contact_damping=0.3)
+LAWS = full_params(time_step=1.0, contact_damping=0.3)
 
 
 def crowd(random: np.random.Generator, tries: int = 200) -> Arrays:

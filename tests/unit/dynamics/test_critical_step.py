@@ -12,6 +12,7 @@ from mpi4py import MPI
 from floeflow.core.errors import FloeError
 from floeflow.dynamics.engine.engine import Engine, EngineError, EngineParams
 from floeflow.dynamics.step.critical import critical_step
+from support.full_ice import full_params
 from support.rafts import bonded, discs, lattice
 
 UNDAMPED = {"bond_damping": 0.0, "contact_damping": 0.0}
@@ -46,11 +47,11 @@ def test_the_bound_is_stable_and_not_far_from_the_limit(tmp_path: Path, damping:
         "compressive_strength": 1e14,
         "reach": 1.5,
     }
-    critical, _ = critical_step(raft, table, EngineParams(time_step=1.0, **options))
+    critical, _ = critical_step(raft, table, full_params(time_step=1.0, **options))
     log = tmp_path / "log"
-    stable = EngineParams(time_step=0.999 * critical, **options)
+    stable = full_params(time_step=0.999 * critical, **options)
     assert energy_growth(shaken(raft, 1e-3), table, stable, log) < 2.0
-    unstable = EngineParams(time_step=1.25 * critical, **options)
+    unstable = full_params(time_step=1.25 * critical, **options)
     with pytest.raises(EngineError, match="ran away|non-finite|longer reach"):
         energy_growth(shaken(raft, 1e-3), table, unstable, log)
 
@@ -58,7 +59,7 @@ def test_the_bound_is_stable_and_not_far_from_the_limit(tmp_path: Path, damping:
 def test_two_elements_against_the_closed_form() -> None:
     pair = discs([0.0, 2000.0], [0.0, 0.0])
     table = bonded(pair)
-    params = EngineParams(time_step=1.0, bonds=True, contact_modulus=1.0, **UNDAMPED)
+    params = full_params(time_step=1.0, bonds=True, contact_modulus=1.0, **UNDAMPED)
     critical, _ = critical_step(pair, table, params)
     # Rolling about the bond's centre and bending are the stiffest: w^2 = 2 (kt r^2 + kb) / I.
     length = table["length"][0]
@@ -74,7 +75,7 @@ def test_it_names_the_bond_or_contact_that_sets_the_step() -> None:
     raft = lattice(5, 4)
     table = bonded(raft)
     table["thickness"][table["id_hi"] == 9] *= 50.0
-    params = EngineParams(time_step=1.0, bonds=True)
+    params = full_params(time_step=1.0, bonds=True)
     step, reason = critical_step(raft, table, params)
     assert "bond" in reason and "-9" in reason and "50 m" in reason
     raft["mass"][13] *= 1e-4  # element 14
@@ -91,7 +92,7 @@ def test_damping_shortens_the_step() -> None:
     raft = lattice(5, 4)
     table = bonded(raft)
     steps = [
-        critical_step(raft, table, EngineParams(time_step=1.0, bonds=True, bond_damping=d))[0]
+        critical_step(raft, table, full_params(time_step=1.0, bonds=True, bond_damping=d))[0]
         for d in (0.0, 0.2, 1.0)
     ]
     assert steps[0] > steps[1] > steps[2]
@@ -101,4 +102,4 @@ def test_a_scene_of_coast_alone_has_no_step() -> None:
     pair = discs([0.0, 2000.0], [0.0, 0.0])
     pair["type"][:] = 2
     with pytest.raises(FloeError, match="All elements are fixed"):
-        critical_step(pair, None, EngineParams(time_step=1.0))
+        critical_step(pair, None, full_params(time_step=1.0))

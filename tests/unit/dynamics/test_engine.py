@@ -12,7 +12,8 @@ import pytest
 from mpi4py import MPI
 
 from floeflow.core.errors import FloeError
-from floeflow.dynamics.engine.engine import Engine, EngineError, EngineParams, Forcing
+from floeflow.dynamics.engine.engine import Engine, EngineError, Forcing
+from support.full_ice import full_params
 from support.rafts import angular_momentum, bonded, discs, lattice, uniform
 
 SELF = MPI.COMM_SELF
@@ -33,7 +34,7 @@ def same(a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> None:
 def test_a_free_element_moves_straight(log: Path) -> None:
     one = discs(100.0, 200.0)
     one["u"][:], one["v"][:], one["omega"][:] = 0.5, -0.25, 1e-3
-    with Engine(SELF, EngineParams(time_step=2.0), log) as engine:
+    with Engine(SELF, full_params(time_step=2.0), log) as engine:
         engine.load(one)
         engine.run(1024)
         out = engine.elements()
@@ -44,7 +45,7 @@ def test_a_free_element_moves_straight(log: Path) -> None:
 
 @pytest.mark.parametrize("thickness", [10.0, 1e-2, 1e-6])
 def test_terminal_drift(log: Path, thickness: float) -> None:
-    params = EngineParams(time_step=60.0, wind=True, ocean_drag=True)
+    params = full_params(time_step=60.0, wind=True, ocean_drag=True)
     terminal = 30.0 * math.sqrt(params.wind_stress_factor / params.ocean_stress_factor)
     with Engine(SELF, params, log) as engine:
         engine.load(discs(0.0, 0.0, thickness=thickness))
@@ -65,7 +66,7 @@ def test_a_turned_drag_deflects_to_the_right_in_the_north_and_to_the_left_in_the
 ) -> None:
     """Free drift of thin ice: the water's drag balances the wind, turned by the angle alone."""
     angle = math.radians(21.0)
-    params = EngineParams(time_step=60.0, wind=True, ocean_drag=True, turning_angle=angle)
+    params = full_params(time_step=60.0, wind=True, ocean_drag=True, turning_angle=angle)
     with Engine(SELF, params, log) as engine:
         engine.load(discs(0.0, 0.0, thickness=0.1))
         engine.set_forcing(uniform(wind=(10.0, 0.0), coriolis=hemisphere * 1.4e-4))
@@ -79,7 +80,7 @@ def test_inertial_circle(log: Path) -> None:
     f = 1.4e-4
     one = discs(5e4, -3e4)
     one["u"][:] = 0.3
-    params = EngineParams(time_step=2 * math.pi / f / 20000, coriolis=True)
+    params = full_params(time_step=2 * math.pi / f / 20000, coriolis=True)
     with Engine(SELF, params, log) as engine:
         engine.load(one)
         engine.set_forcing(uniform(coriolis=f))
@@ -98,7 +99,7 @@ def test_forcing_is_taken_in_the_middle_of_the_step_and_at_the_scene_time(log: P
     wind = np.array([0.0, 20.0])[:, None, None] * np.ones((2, 2, 2))
     fields = {"wind_u": wind, "wind_v": 0 * wind}
     edge = np.array([-1e6, 1e6])
-    params = EngineParams(time_step=100.0, wind=True)
+    params = full_params(time_step=100.0, wind=True)
     one = discs(0.0, 0.0)
     with Engine(SELF, params, log) as engine:
         engine.load(one, time=1400.0)
@@ -123,7 +124,7 @@ def test_momentum_of_a_cracking_free_raft(log: Path) -> None:
     raft = free_raft()
     raft["u"] *= 20
     raft["u"] -= 2e-5 * raft["x"]  # squeezed and torn
-    params = EngineParams(time_step=0.2, bonds=True)
+    params = full_params(time_step=0.2, bonds=True)
     with Engine(SELF, params, log) as engine:
         engine.load(raft, bonded(raft))
         engine.run(1000)
@@ -139,7 +140,7 @@ def test_momentum_of_a_cracking_free_raft(log: Path) -> None:
 
 def test_energy_of_an_undamped_raft(log: Path) -> None:
     raft = free_raft()
-    params = EngineParams(
+    params = full_params(
         time_step=0.1, bonds=True, bond_damping=0.0, compressive_strength=1e9, friction=False
     )
     with Engine(SELF, params, log) as engine:
@@ -157,7 +158,7 @@ def test_budgets_close_with_all_terms_and_a_coast(log: Path) -> None:
     raft = free_raft()
     raft["type"][:6] = 2  # the lowest row is coast
     raft["u"][:6] = raft["v"][:6] = raft["omega"][:6] = 0.0
-    params = EngineParams(time_step=0.5, bonds=True, turning_angle=0.3, **EXTERNAL)
+    params = full_params(time_step=0.5, bonds=True, turning_angle=0.3, **EXTERNAL)
     table = bonded(raft)
     fixed = (table["id_lo"] <= 6) & (table["id_hi"] <= 6)
     table = {name: values[~fixed] for name, values in table.items()}
@@ -183,7 +184,7 @@ def test_budgets_close_with_all_terms_and_a_coast(log: Path) -> None:
 def collision_residual(log: Path, step: float) -> float:
     pair = discs([0.0, 2001.0], [0.0, 300.0])
     pair["u"][:], pair["v"][:] = [0.5, -0.5], [0.1, 0.0]
-    with Engine(SELF, EngineParams(time_step=step, friction=True), log) as engine:
+    with Engine(SELF, full_params(time_step=step, friction=True), log) as engine:
         engine.load(pair)
         first = engine.diagnostics()
         engine.run(round(60.0 / step))
@@ -206,7 +207,7 @@ def pulled_apart(log: Path, thickness: float, velocity: tuple[float, float]) -> 
     pair["type"][0] = 2
     pair["mass"][1] = 1e27  # drives: the bond does not slow it down
     pair["u"][1], pair["v"][1] = velocity
-    params = EngineParams(time_step=0.01, bonds=True)
+    params = full_params(time_step=0.01, bonds=True)
     with Engine(SELF, params, log) as engine:
         engine.load(pair, bonded(pair))
         for step in range(1, 10000):
@@ -221,7 +222,7 @@ def pulled_apart(log: Path, thickness: float, velocity: tuple[float, float]) -> 
 def test_a_bond_breaks_at_the_closed_form_displacement(
     log: Path, direction: tuple[float, float]
 ) -> None:
-    p = EngineParams(time_step=0.01)
+    p = full_params(time_step=0.01)
     normal, shear = direction[0], abs(direction[1])
     if normal < 0:
         limit = 2000.0 * p.compressive_strength / p.young_modulus
@@ -240,7 +241,7 @@ def test_a_bond_that_breaks_in_overlap_makes_no_new_force(log: Path) -> None:
     pair["type"][0] = 2
     pair["mass"][1] = 1e27
     pair["u"][1] = -1.0
-    with Engine(SELF, EngineParams(time_step=0.1, bonds=True), log) as engine:
+    with Engine(SELF, full_params(time_step=0.1, bonds=True), log) as engine:
         engine.load(pair, bonded(pair))
         engine.run(30)
         state, contacts = engine.elements(), engine.contacts()
@@ -272,7 +273,7 @@ def chain() -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
 
 def test_cut_and_continued_in_the_middle_of_fracture(log: Path) -> None:
     line, table = chain()
-    params = EngineParams(time_step=0.2, bonds=True, **EXTERNAL)
+    params = full_params(time_step=0.2, bonds=True, **EXTERNAL)
     forcing = uniform((8.0, 3.0), (0.1, 0.0), 1.4e-4)
     with Engine(SELF, params, log) as engine:
         engine.load(line, table)
@@ -299,7 +300,7 @@ def test_the_same_state_gives_the_same_bits_and_so_do_pieces_of_a_run(log: Path)
     raft = free_raft()
     raft["u"] *= 20
     results = []
-    with Engine(SELF, EngineParams(time_step=0.2, bonds=True), log) as engine:
+    with Engine(SELF, full_params(time_step=0.2, bonds=True), log) as engine:
         for pieces in ((1500,), (1500,), (1, 700, 799)):
             engine.load(raft, bonded(raft))
             for steps in pieces:
@@ -312,7 +313,7 @@ def test_the_same_state_gives_the_same_bits_and_so_do_pieces_of_a_run(log: Path)
 
 def test_liggghts_stays_silent(log: Path, capfd: pytest.CaptureFixture[str]) -> None:
     for _ in range(2):  # its warnings come with the second opening
-        with Engine(SELF, EngineParams(time_step=1.0), log) as engine:
+        with Engine(SELF, full_params(time_step=1.0), log) as engine:
             engine.load(discs(0.0, 0.0))
             engine.run(3)
     captured = capfd.readouterr()
@@ -323,7 +324,7 @@ def test_liggghts_stays_silent(log: Path, capfd: pytest.CaptureFixture[str]) -> 
 def test_an_unstable_step_names_the_element(log: Path) -> None:
     raft = lattice(4, 4)
     raft["x"][5] += 100.0
-    params = EngineParams(time_step=60.0, contact_modulus=1e9)
+    params = full_params(time_step=60.0, contact_modulus=1e9)
     with Engine(SELF, params, log) as engine:
         engine.load(raft)
         with pytest.raises(EngineError, match=r"Element \d+ ran away .* last force"):
@@ -333,7 +334,7 @@ def test_an_unstable_step_names_the_element(log: Path) -> None:
 def test_a_force_that_is_not_finite_names_the_element(log: Path) -> None:
     pair = discs([0.0, 1500.0], [0.0, 0.0])
     pair["thickness"][:] = 1e306
-    with Engine(SELF, EngineParams(time_step=1.0), log) as engine:
+    with Engine(SELF, full_params(time_step=1.0), log) as engine:
         engine.load(pair)
         with pytest.raises(EngineError, match=r"Element [12] became non-finite at .* in step 1"):
             engine.run(10)
@@ -342,7 +343,7 @@ def test_a_force_that_is_not_finite_names_the_element(log: Path) -> None:
 def test_a_bond_beyond_the_reach_is_reported(log: Path) -> None:
     pair = discs([0.0, 2000.0], [0.0, 0.0])
     pair["u"][1] = 1.0
-    params = EngineParams(
+    params = full_params(
         time_step=1.0, bonds=True, reach=1.2, compressive_strength=1e12, young_modulus=1e3
     )
     with Engine(SELF, params, log) as engine:
@@ -360,7 +361,7 @@ def refusal(engine: Engine, elements, bonds=None, contacts=None) -> str:
 def test_what_cannot_be_is_refused(log: Path, tmp_path: Path) -> None:
     raft = lattice(3, 2)
     table = bonded(raft)
-    with Engine(SELF, EngineParams(time_step=1.0, bonds=True), log) as engine:
+    with Engine(SELF, full_params(time_step=1.0, bonds=True), log) as engine:
         wrong = raft | {"mass": raft["mass"] * np.where(raft["id"] == 3, np.nan, 1)}
         assert refusal(engine, wrong, table) == "mass of element 3 must be above 0, not nan."
         swapped = raft | {"id": raft["id"][::-1]}
@@ -376,15 +377,15 @@ def test_what_cannot_be_is_refused(log: Path, tmp_path: Path) -> None:
         assert "bonded and in contact at once" in refusal(engine, raft, table, both)
         far = raft | {"x": raft["x"] * 3}
         assert "outside of the neighbour lists" in refusal(engine, far, table)
-    strong = EngineParams(time_step=1.0, bonds=True, compressive_strength=1e30)
+    strong = full_params(time_step=1.0, bonds=True, compressive_strength=1e30)
     with Engine(SELF, strong, log) as engine:
         assert "beyond the 4 that neighbour lists cover" in refusal(engine, raft, table)
-    with Engine(SELF, EngineParams(time_step=1.0), tmp_path / "no" / "log") as engine:
+    with Engine(SELF, full_params(time_step=1.0), tmp_path / "no" / "log") as engine:
         assert "log cannot be written: No such file" in refusal(engine, raft)
     (tmp_path / "log").mkdir()
-    with Engine(SELF, EngineParams(time_step=1.0), tmp_path / "log") as engine:
+    with Engine(SELF, full_params(time_step=1.0), tmp_path / "log") as engine:
         assert "log cannot be written: Is a directory" in refusal(engine, raft)
-    with Engine(SELF, EngineParams(time_step=1.0, wind=True), log) as engine:
+    with Engine(SELF, full_params(time_step=1.0, wind=True), log) as engine:
         engine.load(raft)
         with pytest.raises(FloeError, match="need forcing"):
             engine.run(1)
@@ -404,12 +405,12 @@ def test_what_cannot_be_is_refused(log: Path, tmp_path: Path) -> None:
 )
 def test_bad_parameters_are_refused(key: str, value: float, sentence: str) -> None:
     with pytest.raises(FloeError) as caught:
-        EngineParams(**{"time_step": 1.0, key: value})
+        full_params(**{"time_step": 1.0, key: value})
     assert str(caught.value) == sentence
 
 
 def test_numbers_of_numpy_are_numbers(log: Path) -> None:
-    params = EngineParams(time_step=np.float64(1.0), contact_damping=np.float64(0.0))
+    params = full_params(time_step=np.float64(1.0), contact_damping=np.float64(0.0))
     with Engine(SELF, params, log) as engine:
         engine.load(lattice(2, 1))
         engine.run(1)
@@ -430,7 +431,7 @@ def test_numbers_of_numpy_are_numbers(log: Path) -> None:
     ],
 )
 def test_an_engine_without_elements_says_so(log: Path, use: Callable[[Engine], object]) -> None:
-    engine = Engine(SELF, EngineParams(time_step=1.0), log)
+    engine = Engine(SELF, full_params(time_step=1.0), log)
     with pytest.raises(EngineError, match="holds no elements"):
         use(engine)
     engine.load(lattice(2, 1))

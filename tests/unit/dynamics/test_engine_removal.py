@@ -10,9 +10,10 @@ import pytest
 from mpi4py import MPI
 
 from floeflow.core.errors import FloeError
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.state import walls
 from floeflow.state.bonds import without
+from support.full_ice import full_params
 from support.rafts import bonded, discs, lattice, uniform
 
 SELF = MPI.COMM_SELF
@@ -22,7 +23,7 @@ def test_removed_elements_take_their_bonds_along(tmp_path: Path) -> None:
     """In the midst of fracture, against a wall; what is left goes on as if alone from the start."""
     raft = lattice(10, 8)
     raft["u"] = -4e-5 * raft["x"] + 0.2
-    params = EngineParams(time_step=0.2, bonds=True, ridging=True, compressive_strength=3e5)
+    params = full_params(time_step=0.2, bonds=True, ridging=True, compressive_strength=3e5)
     faces = walls.plane(-1000.0, 0.0, (1.0, 0.0), (0.3, 0.0))
     gone = np.array([5, 33, 34, 35, 80])
     with Engine(SELF, params, tmp_path / "log", faces) as engine:
@@ -49,7 +50,7 @@ def test_removed_elements_take_their_bonds_along(tmp_path: Path) -> None:
 
 
 def test_the_last_element_cannot_be_removed(tmp_path: Path) -> None:
-    with Engine(SELF, EngineParams(time_step=1.0), tmp_path / "log") as engine:
+    with Engine(SELF, full_params(time_step=1.0), tmp_path / "log") as engine:
         engine.load(discs([0.0], [0.0]))
         with pytest.raises(FloeError, match="There are no elements"):
             engine.remove(np.array([1]))
@@ -62,7 +63,7 @@ def test_elements_may_leave_the_box_with_their_bonds(tmp_path: Path) -> None:
     both = {name: np.concatenate([one[name], two[name]]) for name in one}
     both |= {"id": np.arange(1, 25), "u": np.repeat([-50.0, 50.0], 12)}
     table = bonded(both)
-    params = EngineParams(time_step=0.5, bonds=True, wind=True, wind_stress_factor=1e-3)
+    params = full_params(time_step=0.5, bonds=True, wind=True, wind_stress_factor=1e-3)
     with Engine(SELF, params, tmp_path / "log") as engine:
         engine.load(both, table)
         engine.set_forcing(uniform((0.0, 5.0)))

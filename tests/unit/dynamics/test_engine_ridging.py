@@ -11,6 +11,7 @@ import pytest
 from mpi4py import MPI
 
 from floeflow.dynamics.engine.engine import Engine, EngineParams
+from support.full_ice import full_params
 from support.rafts import bonded, discs, lattice
 
 SELF = MPI.COMM_SELF
@@ -35,7 +36,7 @@ def pressed(
 
 @pytest.mark.parametrize("h", [0.2, 2.0])
 def test_the_plastic_path_is_the_closed_form(log: Path, h: float) -> None:
-    params = EngineParams(time_step=0.05, ridging=True, friction=False, compressive_strength=1e5)
+    params = full_params(time_step=0.05, ridging=True, friction=False, compressive_strength=1e5)
     length, stiffness = EDGE * 2000.0, params.contact_modulus * h / 2
     with Engine(SELF, params, log) as engine:
         engine.load(pressed((h, h)))
@@ -62,7 +63,7 @@ def test_the_thinner_element_gives_more_of_its_area(log: Path) -> None:
     pair = discs([0.0, 2000.0], [0.0, 0.0], thickness=np.array([0.5, 1.5]))
     pair["mass"][:] = 1e27
     pair["u"][1] = -1.0
-    params = EngineParams(time_step=0.05, ridging=True, compressive_strength=1e5)
+    params = full_params(time_step=0.05, ridging=True, compressive_strength=1e5)
     with Engine(SELF, params, log) as engine:
         engine.load(pair)
         engine.run(1000)
@@ -75,7 +76,7 @@ def test_the_thinner_element_gives_more_of_its_area(log: Path) -> None:
 @pytest.mark.parametrize("cover", [(0.9, 0.9), (1.0, 0.8)])
 def test_leads_close_before_ice_ridges(log: Path, cover: tuple[float, float]) -> None:
     # A tenth of the 2000 m between the centres is open water.
-    params = EngineParams(time_step=0.05, ridging=True, friction=False, compressive_strength=1e5)
+    params = full_params(time_step=0.05, ridging=True, friction=False, compressive_strength=1e5)
     length, stiffness = EDGE * 2000.0, params.contact_modulus / 2
     steps = 0
     with Engine(SELF, params, log) as engine:
@@ -98,7 +99,7 @@ def test_the_side_with_leads_gives_the_area(log: Path) -> None:
     pair = discs([0.0, 2000.0], [0.0, 0.0]) | {"cover": np.array([1.0, 0.9])}
     pair["mass"][:] = 1e27
     pair["u"][1] = -1.0
-    params = EngineParams(time_step=0.05, ridging=True, compressive_strength=1e5)
+    params = full_params(time_step=0.05, ridging=True, compressive_strength=1e5)
     with Engine(SELF, params, log) as engine:
         engine.load(pair)
         engine.run(1000)
@@ -109,7 +110,7 @@ def test_the_side_with_leads_gives_the_area(log: Path) -> None:
 def collision(log: Path, step: float) -> tuple[float, float]:
     pair = discs([0.0, 2001.0], [0.0, 300.0])
     pair["u"][:], pair["v"][:] = [2.0, -2.0], [0.1, 0.0]
-    params = EngineParams(time_step=step, ridging=True, compressive_strength=1e5)
+    params = full_params(time_step=step, ridging=True, compressive_strength=1e5)
     with Engine(SELF, params, log) as engine:
         engine.load(pair)
         first = engine.diagnostics()
@@ -129,7 +130,7 @@ def test_energy_lost_in_a_ridging_collision_is_what_was_counted(log: Path) -> No
 
 
 def test_a_ridge_stays_where_it_was_built(log: Path) -> None:
-    params = EngineParams(time_step=0.05, ridging=True, friction=False, compressive_strength=1e5)
+    params = full_params(time_step=0.05, ridging=True, friction=False, compressive_strength=1e5)
     with Engine(SELF, params, log) as engine:
         engine.load(pressed((1.0, 1.0)))
         engine.run(1000)  # 50 m in
@@ -156,7 +157,7 @@ def test_a_bond_that_breaks_in_compression_goes_on_as_a_contact(log: Path) -> No
     pair["mass"][1] = 1e27
     pair["u"][1] = -1.0
     table = bonded(pair, gap=200.0)
-    params = EngineParams(
+    params = full_params(
         time_step=0.01, bonds=True, ridging=True, compressive_strength=1e6, friction=False
     )
     with Engine(SELF, params, log) as engine:
@@ -190,7 +191,7 @@ def test_it_meets_again_where_it_opened(log: Path) -> None:
     pair["type"][0] = 2
     pair["mass"][1] = 1e27
     pair["u"][1] = -1.0
-    params = EngineParams(
+    params = full_params(
         time_step=0.01, bonds=True, ridging=True, compressive_strength=1e6, friction=False
     )
     with Engine(SELF, params, log) as engine:
@@ -218,7 +219,7 @@ def squeezed() -> tuple[dict[str, np.ndarray], EngineParams]:
     raft["thickness"] = random.uniform(0.1, 2.0, 30)
     raft["mass"] = raft["mass"] * raft["thickness"]
     raft["u"], raft["v"] = -2e-4 * raft["x"] + 1.0, -1e-4 * raft["y"]
-    return raft, EngineParams(time_step=0.1, bonds=True, ridging=True, compressive_strength=1e5)
+    return raft, full_params(time_step=0.1, bonds=True, ridging=True, compressive_strength=1e5)
 
 
 def test_momentum_of_a_ridging_raft_and_its_area(log: Path) -> None:
@@ -238,7 +239,7 @@ def test_cut_and_continued_while_ridging(log: Path) -> None:
     # A line, so that no sum depends on the order of its terms.
     line = discs(1995.0 * np.arange(12), np.zeros(12), thickness=np.linspace(0.1, 2.0, 12))
     line["u"] = -2e-4 * line["x"]
-    params = EngineParams(time_step=0.1, ridging=True, compressive_strength=1e5)
+    params = full_params(time_step=0.1, ridging=True, compressive_strength=1e5)
     with Engine(SELF, params, log) as engine:
         engine.load(line)
         engine.run(200)

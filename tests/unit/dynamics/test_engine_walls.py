@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from floeflow.dynamics.engine.engine import Engine, EngineError, EngineParams
+from floeflow.dynamics.engine.engine import Engine, EngineError
+from support.full_ice import full_params
 from support.rafts import discs
 from support.ranks import run_liggghts
 
@@ -83,7 +84,7 @@ def disc_at(x: float, y: float = 0.0) -> dict[str, np.ndarray]:
 
 
 def test_a_pressed_disc_has_the_closed_form_force(tmp_path: Path) -> None:
-    params = EngineParams(time_step=0.1, friction=False)
+    params = full_params(time_step=0.1, friction=False)
     disc = disc_at(995.0, 300.0)
     with Engine(MPI.COMM_SELF, params, tmp_path / "log") as engine:
         start(engine, disc, [PLANE])
@@ -110,7 +111,7 @@ def test_a_disc_leaves_a_wall_with_the_restitution_of_the_damped_contact(tmp_pat
     w0 = math.sqrt(STIFFNESS / mass)
     beta, w = damping * w0, w0 * math.sqrt(1 - damping**2)
     expected = math.exp(-beta / w * (math.pi - math.atan2(2 * beta * w, w * w - beta * beta)))
-    params = EngineParams(time_step=1e-3 / w0, friction=False, contact_damping=damping)
+    params = full_params(time_step=1e-3 / w0, friction=False, contact_damping=damping)
     with Engine(MPI.COMM_SELF, params, tmp_path / "log") as engine:
         start(engine, disc, [PLANE])
         engine.run(8000)
@@ -122,7 +123,7 @@ def test_a_disc_leaves_a_wall_with_the_restitution_of_the_damped_contact(tmp_pat
 def test_a_moving_wall_drags_by_friction(tmp_path: Path) -> None:
     disc = disc_at(999.0)
     disc["mass"][0] = 1e27  # stays pressed
-    params = EngineParams(time_step=0.1, contact_damping=0.0)
+    params = full_params(time_step=0.1, contact_damping=0.0)
     with Engine(MPI.COMM_SELF, params, tmp_path / "log") as engine:
         start(engine, disc, [PLANE + " shear y 0.5"])
         engine.run(200)  # 10 m of sliding
@@ -140,7 +141,7 @@ def test_a_moving_wall_drags_by_friction(tmp_path: Path) -> None:
 def test_a_disc_ridges_against_a_wall(tmp_path: Path) -> None:
     disc = disc_at(1000.0)
     disc["mass"][0], disc["u"][0] = 1e27, -1.0
-    params = EngineParams(time_step=0.1, friction=False, ridging=True, compressive_strength=1e5)
+    params = full_params(time_step=0.1, friction=False, ridging=True, compressive_strength=1e5)
     with Engine(MPI.COMM_SELF, params, tmp_path / "log") as engine:
         start(engine, disc, [PLANE])
         engine.run(500)  # 50 m
@@ -155,7 +156,7 @@ def test_a_disc_ridges_against_a_wall(tmp_path: Path) -> None:
 
 
 def test_keywords_of_a_wall_are_refused(tmp_path: Path) -> None:
-    with Engine(MPI.COMM_SELF, EngineParams(time_step=0.1), tmp_path / "log") as engine:
+    with Engine(MPI.COMM_SELF, full_params(time_step=0.1), tmp_path / "log") as engine:
         engine.load(disc_at(1500.0))
         with pytest.raises(EngineError, match="model floe: unknown keyword soft"):
             engine._command(PLANE + " soft yes")

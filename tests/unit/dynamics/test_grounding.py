@@ -15,13 +15,14 @@ from floeflow.core.errors import FloeError
 from floeflow.coupling.coupled_windows import advance_window
 from floeflow.coupling.initial import make_state
 from floeflow.diagnostics.budgets import dem_energy_budget, momentum_budget
-from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.engine.engine import Engine, Forcing
 from floeflow.dynamics.engine.params import Force
 from floeflow.dynamics.motion import engine_params
 from floeflow.forcings.window import window_forcing
 from floeflow.scene.blocks import Scene
 from floeflow.scene.load import parse_scene
 from floeflow.state.schema import expected_variables
+from support.full_ice import full_params
 from support.rafts import bonded, discs, lattice, uniform
 from support.ranks import run_parts
 from unit.coupling.test_walls import a_packing
@@ -33,7 +34,7 @@ K1, K2, CREEP = 8.0, 15.0, 5.0e-5
 
 def test_ice_creeps_where_its_keel_is_held_and_drifts_in_deep_water(tmp_path: Path) -> None:
     """tau_a = tau_b |u| / (|u| + u0): the depth is that of the place where the ice is."""
-    params = EngineParams(time_step=300.0, wind=True, ocean_drag=True, forces=(SEABED,))
+    params = full_params(time_step=300.0, wind=True, ocean_drag=True, forces=(SEABED,))
     x = np.array([-1e6, 1e6])
     one = np.ones((1, 2, 2))
     fields = {"wind_u": 8.0 * one, "wind_v": 0.0 * one, "ocean_u": 0.0 * one, "ocean_v": 0.0 * one}
@@ -57,7 +58,7 @@ def test_budgets_close_with_the_seabed(tmp_path: Path) -> None:
     raft["mass"] = raft["mass"] * raft["thickness"]
     raft["u"][:] = 0.3
     switches = dict.fromkeys(("bonds", "wind", "ocean_drag", "coriolis", "tilt"), True)
-    params = EngineParams(time_step=0.5, forces=(SEABED,), turning_angle=0.3, **switches)
+    params = full_params(time_step=0.5, forces=(SEABED,), turning_angle=0.3, **switches)
     with Engine(SELF, params, tmp_path / "log") as engine:
         engine.load(raft, bonded(raft))
         engine.set_forcing(uniform((4.0, -12.0), (0.1, 0.2), 1.4e-4, depth=8.0))

@@ -19,6 +19,7 @@ from floeflow.scene.load import build_scene
 from floeflow.state import walls
 from floeflow.state.bonds import Arrays
 from floeflow.state.schema import check_state
+from support.full_ice import full_params
 from support.rafts import bonded, discs, lattice, uniform
 from support.ranks import run_parts
 from unit.coupling.test_walls import a_packing
@@ -40,7 +41,7 @@ def test_two_pressed_discs_push_each_other_along_their_line(tmp_path: Path) -> N
     angle, overlap = 0.4, 5.0
     way = (2 * RADIUS - overlap) * np.array([np.cos(angle), np.sin(angle)])
     pair = discs([0.0, way[0]], [0.0, way[1]], thickness=THICK)
-    found = inside(tmp_path, pair, EngineParams(time_step=STEP, friction=False))
+    found = inside(tmp_path, pair, full_params(time_step=STEP, friction=False))
     push = 0.5 * STIFFNESS * overlap  # two discs in series
     along = np.array([np.cos(angle), np.sin(angle)])
     np.testing.assert_allclose([found["force_x"][1], found["force_y"][1]], push * along, rtol=1e-9)
@@ -62,7 +63,7 @@ def test_a_wall_pushes_a_disc_and_presses_it(tmp_path: Path) -> None:
     disc = discs([995.0, 9e3], [300.0, 0.0], thickness=THICK)
     disc["type"][1] = 2
     face = walls.join([walls.plane(0.0, 0.0, (1.0, 0.0))])
-    found = inside(tmp_path, disc, EngineParams(STEP, friction=False, walls=True), walls=face)
+    found = inside(tmp_path, disc, full_params(STEP, friction=False, walls=True), walls=face)
     np.testing.assert_allclose(found["force_x"], [5.0 * STIFFNESS, 0.0], rtol=1e-9)
     np.testing.assert_allclose(found["moment_xx"], [-995.0 * 5.0 * STIFFNESS, 0.0], rtol=1e-9)
     assert not found["force_y"].any() and not found["moment_yy"].any()
@@ -74,7 +75,7 @@ def test_a_stretched_row_of_bonds_carries_one_force(tmp_path: Path) -> None:
     table = bonded(row)
     strain = 1e-6
     row["x"] *= 1.0 + strain
-    params = EngineParams(STEP, friction=False, bonds=True)
+    params = full_params(STEP, friction=False, bonds=True)
     found = inside(tmp_path, row, params, bonds=table)
     pull = params.young_modulus * strain * THICK * float(table["length"][0])
     ends = pull * np.array([1, 0, 0, 0, -1])
@@ -91,7 +92,7 @@ def test_the_force_is_what_momentum_lacks(tmp_path: Path) -> None:
     raft = lattice(6, 5)
     random = np.random.default_rng(5)
     raft["u"], raft["v"] = 0.02 * random.normal(size=(2, len(raft["id"])))
-    params = EngineParams(STEP, bonds=True, wind=True, ocean_drag=True)
+    params = full_params(STEP, bonds=True, wind=True, ocean_drag=True)
     with Engine(SELF, params, tmp_path / "log") as engine:
         engine.load(raft, bonded(raft))
         engine.set_forcing(uniform((8.0, -3.0), (0.1, 0.05)))
@@ -113,7 +114,7 @@ def test_the_force_is_what_momentum_lacks(tmp_path: Path) -> None:
 
 
 def test_nothing_is_told_of_no_elements(tmp_path: Path) -> None:
-    engine = Engine(SELF, EngineParams(STEP), tmp_path / "log")
+    engine = Engine(SELF, full_params(STEP), tmp_path / "log")
     with pytest.raises(EngineError, match="holds no elements"):
         engine.internal_forces()
 

@@ -11,15 +11,16 @@ import pytest
 from mpi4py import MPI
 
 from floeflow.dynamics.bonds.refreeze import Cold, freeze, refreeze, thicken, touch_times
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.state.bonds import Arrays, empty_pairs
 from floeflow.state.schema import check_state
+from support.full_ice import full_params
 from support.rafts import bonded, discs
 from unit.state.test_state import a_state
 
 DAY = 86400.0
 COLD = Cold(DAY, 263.15, 0.05, 271.3, 1.33e-8)
-PARAMS = EngineParams(time_step=0.1, bonds=True, friction=False, bond_damping=0.0)
+PARAMS = full_params(time_step=0.1, bonds=True, friction=False, bond_damping=0.0)
 
 
 def winter(x: np.ndarray, y: np.ndarray) -> np.ndarray:

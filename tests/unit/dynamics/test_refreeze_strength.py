@@ -13,16 +13,17 @@ import xarray as xr
 from mpi4py import MPI
 
 from floeflow.dynamics.bonds.refreeze import freeze, heal, refreeze, thicken
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.state import read_state, write_state
 from floeflow.state.bonds import Arrays
 from floeflow.state.elements import element_arrays, moved_state, pair_arrays
+from support.full_ice import full_params
 from support.rafts import bonded, discs
 from unit.dynamics.test_refreeze import COLD, DAY, contact, summer, winter
 from unit.state.test_state import a_state
 
 EFFECTS = ("friction", "bonds", "ridging", "refreeze", "thermodynamics", "snow")
-PULL = EngineParams(
+PULL = full_params(
     time_step=0.02, bonds=True, friction=False, bond_damping=0.0, compressive_strength=1e6,
     tensile_share=0.1,
 )  # fmt: skip
@@ -135,9 +136,7 @@ def pack() -> xr.Dataset:
     return state
 
 
-LAWS = EngineParams(
-    time_step=0.1, bonds=True, ridging=True, friction=True, compressive_strength=1e5
-)
+LAWS = full_params(time_step=0.1, bonds=True, ridging=True, friction=True, compressive_strength=1e5)
 
 
 def window(state: xr.Dataset, log: Path) -> tuple[xr.Dataset, int]:

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.dynamics.engine.params import EngineParams
 from floeflow.dynamics.engine.setup import LONGEST_REACH, bond_reach, within_reach
 from floeflow.dynamics.remesh.absorb import absorbed
 from floeflow.dynamics.remesh.merge import merge
 from floeflow.state.bonds import new_bonds
 from floeflow.state.schema import check_state
+from support.full_ice import full_params
 from support.rafts import bonded, lattice
 from unit.state.test_state import a_state
 
 EFFECTS = ("friction", "bonds", "ridging", "thermodynamics", "snow")
-LAWS = EngineParams(time_step=1.0, bonds=True, ridging=True)
+LAWS = full_params(time_step=1.0, bonds=True, ridging=True)
 
 
 def a_raft() -> xr.Dataset:

@@ -10,11 +10,12 @@ import pytest
 import xarray as xr
 from mpi4py import MPI
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.dynamics.remesh.merge import merge, merge_targets
 from floeflow.dynamics.ridging.ridging import contact_share
 from floeflow.state.elements import element_arrays, joint_thickness, pair_arrays
 from floeflow.state.schema import MOBILE, check_state
+from support.full_ice import full_params
 from support.rafts import angular_momentum
 from support.remesh_cases import coast_case, scales, totals
 
@@ -94,7 +95,7 @@ def test_bonds_stay_where_they_are_in_space(shrunk: xr.Dataset, merged: xr.Datas
 
 
 def test_nothing_pushes_that_did_not_before(merged: xr.Dataset, tmp_path: Path) -> None:
-    params = EngineParams(time_step=0.5, bonds=True, ridging=True, compressive_strength=1e5)
+    params = full_params(time_step=0.5, bonds=True, ridging=True, compressive_strength=1e5)
     still = element_arrays(merged, 1e-3)
     for name in ("u", "v", "omega"):
         still[name][:] = 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Making room: capacities, totals, bounds, basins that are too small, crumbs and holes."""
+"""Making room: capacities, totals, bounds, basins that are too small, sparse cells and holes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
-from floeflow.dynamics.remesh.spread import enclosed, gather_crumbs, spread
+from floeflow.dynamics.remesh.spread import enclosed, join_sparse_cells, spread
 
 
 def lattice(rows: int, columns: int) -> sparse.csr_matrix:
@@ -68,24 +68,25 @@ def test_a_basin_that_is_too_small_is_overfull_evenly() -> None:
     assert after[4:].max() <= 1.0 + 1e-12 and after[4:].sum() == pytest.approx(1.5)
 
 
-def test_crumbs_join_a_filled_neighbour() -> None:
+def test_sparse_cells_join_a_filled_neighbour() -> None:
     beside = lattice(1, 4)
     area = np.array([0.9, 0.05, 0.0, 0.04])
-    crumbs = gather_crumbs(area, np.ones(4), beside)
-    np.testing.assert_allclose(crumbs @ area, [0.99, 0.0, 0.0, 0.0])
+    joined = join_sparse_cells(area, np.ones(4), beside)
+    np.testing.assert_allclose(joined @ area, [0.99, 0.0, 0.0, 0.0])
 
 
-def test_a_floe_in_crumbs_is_made_whole() -> None:
+def test_a_floe_over_sparse_cells_comes_together() -> None:
     area = np.zeros(49)
     area[[16, 17, 23, 24]] = 0.2, 0.21, 0.19, 0.2
-    crumbs = gather_crumbs(area, np.ones(49), lattice(7, 7))
-    after = crumbs @ area
+    joined = join_sparse_cells(area, np.ones(49), lattice(7, 7))
+    after = joined @ area
     assert after.sum() == pytest.approx(0.8) and (after > 0).sum() <= 2
     assert after[after > 0].min() >= 0.25
-    # A crumb with nothing around it stays.
+    # A cell with nothing around it stays.
     alone = np.zeros(49)
     alone[[0, 48]] = 0.1, 1.0
-    np.testing.assert_array_equal(gather_crumbs(alone, np.ones(49), lattice(7, 7)) @ alone, alone)
+    joined = join_sparse_cells(alone, np.ones(49), lattice(7, 7))
+    np.testing.assert_array_equal(joined @ alone, alone)
 
 
 def test_holes_are_cells_with_ice_on_all_sides() -> None:

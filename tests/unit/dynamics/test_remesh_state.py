@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from floeflow.core.constants import EDGE_SHARE
 from floeflow.dynamics.remesh.outline import cut
 from floeflow.dynamics.remesh.remap import lay, overlapping, remap, traces
-from floeflow.dynamics.remesh.remesh import cure
+from floeflow.dynamics.remesh.remesh import remesh
 from floeflow.dynamics.remesh.tables import overlapping_discs
 from floeflow.dynamics.ridging.ridging import contact_share
 from floeflow.scene import parse_scene
@@ -395,7 +395,7 @@ def test_the_scene_chooses_the_order_of_the_remap() -> None:
     for order in (1, 2):
         scene = parse_scene(f"{text}remap: {{every: 1, order: {order}}}\n".encode(), "a")
         moved.attrs["window"] = 1
-        found[order], _ = cure(scene, moved, cells)
+        found[order], _ = remesh(scene, moved, cells)
         assert_kept(moved, found[order])
         plain = remap(moved, cells, lay(moved, cells), 0.2, slopes=order == 2)
         assert found[order]["ice_volume"].equals(plain["ice_volume"])

@@ -14,6 +14,7 @@ from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.dynamics.ridging.ridging import close_areas, contact_share
 from floeflow.state.elements import element_arrays, moved_state, pair_arrays
 from floeflow.state.schema import check_state, expected_variables
+from support.full_ice import full_params
 from support.rafts import bonded, lattice
 from unit.state.test_state import a_state
 
@@ -40,7 +41,7 @@ def ridged_state(log: Path) -> tuple[xr.Dataset, np.ndarray, EngineParams]:
     table = bonded(elements)
     held = (table["id_lo"] > 6) & (table["id_lo"] % 3 > 0)
     table = {name: values[held] for name, values in table.items()}
-    params = EngineParams(time_step=0.1, bonds=True, ridging=True, compressive_strength=1e5)
+    params = full_params(time_step=0.1, bonds=True, ridging=True, compressive_strength=1e5)
     with Engine(MPI.COMM_SELF, params, log) as engine:
         engine.load(elements, table)
         engine.run(600)
@@ -187,7 +188,7 @@ def test_what_lies_beside_a_ridge_is_no_further_off_for_it(tmp_path: Path) -> No
     # Element 3 comes from there: it meets 2 after its 3 m, not after the gap of the discs.
     elements = element_arrays(closed, 1e-3)
     elements["mass"][2], elements["u"][2] = 1e27, -1.0
-    params = EngineParams(time_step=0.01, ridging=True, friction=False, contact_damping=0.0)
+    params = full_params(time_step=0.01, ridging=True, friction=False, contact_damping=0.0)
     with Engine(MPI.COMM_SELF, params, tmp_path / "log") as engine:
         engine.load(elements, None, pair_arrays(closed, "contact"))
         engine.run(299)

@@ -10,9 +10,10 @@ from mpi4py import MPI
 
 from floeflow.coupling.initial import make_state
 from floeflow.dynamics.bonds.stress_free_growth import keep_forces
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.state.bonds import element_rows
 from floeflow.state.elements import element_arrays, pair_arrays
+from support.full_ice import full_params
 from support.rafts import discs
 from unit.coupling.test_walls import a_packing, a_scene
 from unit.state.test_state import a_state
@@ -47,7 +48,7 @@ def overlaps(state: xr.Dataset) -> np.ndarray:
 
 def elastic_energy(state: xr.Dataset, log) -> float:  # noqa: ANN001
     """As the engine finds it, J."""
-    with Engine(MPI.COMM_SELF, EngineParams(time_step=1.0), log) as engine:
+    with Engine(MPI.COMM_SELF, full_params(time_step=1.0), log) as engine:
         engine.load(element_arrays(state, LEAST), None, pair_arrays(state, "contact"))
         return engine.diagnostics()["elastic_contact"]
 

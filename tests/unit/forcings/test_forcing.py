@@ -315,7 +315,7 @@ def test_sums_that_could_be_anything_are_refused(tmp_path: Path) -> None:
     hours = np.arange(0.0, 26.0)
     sums = {name: 7e5 * hours for name in ("ssrd", "strd", "sf")}
     era5_like(hours, sums).to_netcdf(tmp_path / "land.nc")
-    with pytest.raises(FloeError, match="'strd' reaches from .* outside 0 to 1000"):
+    with pytest.raises(FloeError, match="'strd' reaches from .* outside 0 to 1000 W m-2"):
         forcing.make_forcing(scene, tmp_path / "land.nc", 1)
 
 
@@ -338,7 +338,7 @@ def test_impossible_temperature_is_refused(tmp_path: Path) -> None:
     data = analytic.make_analytic(scene, 1)
     data["t2m"].values[:] = -20.0
     data.to_netcdf(tmp_path / "f.nc")
-    with pytest.raises(FloeError, match="'t2m' reaches from -20 to -20 K, outside 150 to 350"):
+    with pytest.raises(FloeError, match="'t2m' reaches from -20 to -20 K, outside 150 to 350 K"):
         forcing.make_forcing(scene, tmp_path / "f.nc", 1)
 
 

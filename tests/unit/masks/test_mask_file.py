@@ -160,7 +160,7 @@ def test_mask_that_is_cut_short(tmp_path: Path) -> None:
 
 def test_projection_is_checked_first() -> None:
     scene = Scene.model_validate({"name": "t", "domain": {"crs": "EPSG:4326"}})
-    with pytest.raises(FloeError, match="'EPSG:4326' is no projection in metres"):
+    with pytest.raises(FloeError, match="'EPSG:4326' is not a projection in metres"):
         mask_file.check_mask_file(scene)
     beyond = {"x_min": -1e8, "x_max": 1e8, "y_min": -1e8, "y_max": 1e8, "spacing": 1e7}
     with pytest.raises(FloeError, match="lies outside of the projection"):

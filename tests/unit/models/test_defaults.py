@@ -4,13 +4,17 @@
 from __future__ import annotations
 
 import re
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from floeflow.core.constants import AIR_DENSITY, CONTACT_SHEAR_RATIO, SEAWATER_DENSITY
+from floeflow.dynamics.engine.params import EngineParams
+from floeflow.dynamics.motion import engine_params
 from floeflow.scene.blocks import Dynamics
+from floeflow.scene.load import parse_scene
 from support.liggghts import BOND, raft, run_script
 
 pytestmark = pytest.mark.mpi
@@ -49,6 +53,14 @@ def test_defaults_are_those_of_scenes(tmp_path: Path) -> None:
         )
         ends.append(done.dump("end.txt"))
     np.testing.assert_array_equal(ends[0], ends[1])
+
+
+def test_the_engine_without_laws_has_those_of_a_scene_without_keys() -> None:
+    scene, plain = engine_params(parse_scene(b"effects: []", "a"), 1.0), EngineParams(1.0)
+    numbers = [f.name for f in fields(plain) if isinstance(getattr(plain, f.name), float)]
+    assert len(numbers) > 15 and "tensile_share" in numbers
+    for name in numbers:
+        assert getattr(plain, name) == getattr(scene, name), name
 
 
 def test_the_page_tells_the_defaults_of_the_header(project: Path) -> None:

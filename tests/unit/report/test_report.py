@@ -255,7 +255,7 @@ def test_no_ice_and_absent_effects_are_said(bare: tuple[Run, str]):
     assert "Bonds alive" not in page.within("dt")
     names = {figure["id"] for figure in page.every("figure")}
     assert not [name for name in names if "bond" in name or "snow" in name or "column" in name]
-    absent = html[html.index("neither simulated") :].split("</p>")[0]
+    absent = html[html.index("so not simulated") :].split("</p>")[0]
     assert re.findall(r"<code>(\w+)</code>", absent) == [e for e in EFFECTS if e != "wind"]
     assert not [key for key in scene_keys(run.scene) if key.path.startswith("column.")]
 
@@ -310,7 +310,7 @@ def test_cost_adds_up_in_the_order_of_the_data(run: Run, tmp_path: Path):
 def test_benchmark_that_is_none_is_named(run: Run, tmp_path: Path):
     path = tmp_path / "mask.tsv"
     path.write_text("seconds\n3\n")
-    with pytest.raises(FloeError, match="mask.tsv: is no benchmark"):
+    with pytest.raises(FloeError, match="mask.tsv: is not a benchmark"):
         stages([path], read_numbers(run.folder / "diagnostics.json"))
 
 

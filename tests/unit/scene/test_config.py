@@ -50,20 +50,25 @@ def test_the_name_comes_from_the_file_where_none_is_given(tmp_path: Path):
         ("time: {windows: 1, windows: 2}", "key 'windows' is given twice (line 1)"),
         (
             "dynamics: {young_modulus: -1}",
-            "dynamics.young_modulus: input should be greater than or equal to 1000 (got -1)",
+            "dynamics.young_modulus: input should be greater than or equal to 1000 Pa (got -1)",
+        ),
+        ("mask: {uniform: 2}", "mask.uniform: input should be less than or equal to 1 (got 2)"),
+        (
+            "forcing: {cyclone: {wind_speed: -5}}",
+            "forcing.cyclone.wind_speed: input should be greater than or equal to 0 m/s (got -5)",
         ),
         ("dynamics: {young_modulus: .nan}", "dynamics.young_modulus: input should be a finite"),
         ("dynamics: {young_modulus: .inf}", "dynamics.young_modulus: input should be a finite"),
         ("dynamics: 3", "dynamics: input should be a valid dictionary"),
         ("effects: [wnd]", "effects: unknown effect 'wnd'; did you mean 'wind'?"),
         ("effects: [wind, wind]", "effects: 'wind' is listed twice"),
-        ("name: ../up", "name: '../up' is no plain name"),
-        ("name: a b", "name: 'a b' is no plain name"),
-        ("name: $(touch x)", "name: '$(touch x)' is no plain name"),
-        ("name: 'a\n'", "is no plain name"),
+        ("name: ../up", "name: '../up' is not a plain name"),
+        ("name: a b", "name: 'a b' is not a plain name"),
+        ("name: $(touch x)", "name: '$(touch x)' is not a plain name"),
+        ("name: 'a\n'", "is not a plain name"),
         ("- 1", "a scene is a mapping"),
         ("a: [", "line 1:"),
-        ("domain: {x_min: 5.0e+6}", "domain.x_min (5e+06) must lie below x_max (4e+06)"),
+        ("domain: {x_min: 5.0e+6}", "domain.x_min (5e+06 m) must lie below x_max (4e+06 m)"),
         ("domain: {spacing: 30000.0}", "domain.spacing (30000 m) must divide the scene's width"),
         ("domain: {spacing: 1000.0}", "mask cells; at most"),
         (
@@ -139,7 +144,7 @@ def test_a_changed_key_changes_the_hash_of_its_stages_only():
     [
         ("state: {precision: single}", {"initial", "dynamics"}),
         ("grid: {transfer: nearest}", {"grid"}),
-        ("remap: {order: 1}", {"cure"}),
+        ("remap: {order: 1}", {"remesh"}),
     ],
 )
 def test_ways_to_do_a_thing_are_read_where_it_is_done(keys: str, stages: set[str]):

@@ -3,6 +3,8 @@
 
 A block is fenced as ``console``. A comment in the line before it may say ``slow``, or ``not run:``
 with the reason. Targets of make are asked for with ``make -n``: CI and `make test-fresh` run them.
+Blocks of YAML are scenes that are accepted here. Blocks of Python are run by the tests that
+`PYTHON` names.
 """
 
 from __future__ import annotations
@@ -83,6 +85,22 @@ def test_commands_are_written_with_their_path():
     assert lost == {}
 
 
+def test_commands_stand_in_blocks_that_are_looked_at():
+    """Not indented alone, nor in a fence of no kind: such a block would be run by nothing."""
+    words = (
+        r"\$ |\.venv/|make |cd |pip |apt-get |cmake |mpirun |git |floeflow |snakemake |python3? "
+    )
+    loose = re.compile(rf"(?<=\n\n) {{4}}(?:{words}).*")
+    fenced = re.compile(rf"^```\n(?:{words}).*", re.M)
+    lost = {}
+    for page in PAGES:
+        text = re.sub(r"^```\w.*?^```$", "", page.read_text(), flags=re.M | re.S)
+        plain = re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S)
+        if found := loose.findall(plain) + fenced.findall(text):
+            lost[page.relative_to(PROJECT).as_posix()] = found
+    assert lost == {}
+
+
 @pytest.fixture
 def checkout(tmp_path: Path) -> Path:
     """A folder like a checkout after `make setup`, with the README's scene, and its own results."""
@@ -115,6 +133,30 @@ def test_a_command_block_runs_as_typed(block: Block, checkout: Path):
             text=True,
         )
         assert done.returncode == 0, (command, done.stdout[-2000:], done.stderr[-2000:])
+
+
+# Tests that run the Python of a page.
+PYTHON = {
+    "docs/contributing/column_process.md": "tests/unit/setup/test_recipes.py",
+    "docs/contributing/diagnostic.md": "tests/unit/setup/test_recipes.py",
+    "docs/contributing/figure.md": "tests/unit/setup/test_recipes.py",
+    "docs/contributing/reader.md": "tests/unit/setup/test_recipes.py",
+    "docs/export.md": "tests/unit/diagnostics/test_trajectory.py",
+    "docs/how-to/coupling.md": "tests/unit/coupling/test_fluxes.py",
+    "docs/how-to/read_results.md": "tests/unit/diagnostics/test_reading_page.py",
+    "docs/tutorial_column.md": "tests/unit/analysis/test_single_column.py",
+}
+
+
+def test_python_of_the_documents_is_run_by_a_test():
+    found = {
+        page.relative_to(PROJECT).as_posix()
+        for page in PAGES
+        if re.search(r"^```python\n", page.read_text(), re.M)
+    }
+    assert found == set(PYTHON)
+    for page, test in PYTHON.items():
+        assert Path(page).stem in (PROJECT / test).read_text(), (page, test)
 
 
 YAML = [

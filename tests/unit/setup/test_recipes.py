@@ -12,16 +12,25 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from floeflow.analysis.documents import effects_page
+from floeflow.analysis.estimate.conditions import Conditions
+from floeflow.analysis.estimate.dimensionless_numbers import NUMBERS, number_of
 from floeflow.column.params import Settings
 from floeflow.column.schemes import SCHEMES, advance_columns
 from floeflow.core import extensions, readers
 from floeflow.core.errors import FloeError
+from floeflow.core.grids import scene_grid
 from floeflow.diagnostics import collect
 from floeflow.diagnostics.diagnostics import diagnose
+from floeflow.dynamics.engine.params import Force
+from floeflow.dynamics.forces import FORCES, force
+from floeflow.dynamics.motion import engine_forcing, engine_params
+from floeflow.forcings.fixed_fields import FIXED, fixed
+from floeflow.forcings.window import window_forcing
 from floeflow.masks.mask import make_mask
 from floeflow.report import report_figures
-from floeflow.scene import load_scene
-from floeflow.scene.effects import EFFECTS
+from floeflow.scene import Scene, load_scene, parse_scene, stage_hash
+from floeflow.scene.effects import EFFECTS, Effect, ledger_sums
 from floeflow.workflow.library import library_digest
 from support.synthetic import make_run
 from unit.column.test_schemes import COLD, check, start, weather
@@ -91,6 +100,59 @@ def test_pages_name_what_is_there(project: Path):
         found = set(re.findall(names, text))
         assert found and all(name in (project / file).read_text() for name in found), page
     assert "grounding" in EFFECTS
+
+
+SWELL = Effect(
+    name="swell",
+    physics="Swell pushes the ice.",
+    source="a test",
+    needs=("ocean_drag",),
+    plugin=("swell",),
+    ledger=("impulse_swell",),
+    forcing=("wave_height",),
+)
+
+
+def test_an_effect_is_known_everywhere_once_it_is_declared(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The registry, a number, a force and its field, as the page says, and nothing else."""
+    monkeypatch.setitem(EFFECTS, "swell", SWELL)
+    for registry in (NUMBERS, FORCES, FIXED):
+        monkeypatch.setitem(registry, "swell", None)  # gone after the test
+        monkeypatch.delitem(registry, "swell")
+    monkeypatch.setitem(FIXED, "wave_height", None)
+
+    @number_of("swell")
+    def number(c: Conditions) -> float:
+        """H / h: height of the waves over the thickness of the ice."""
+        return 2.0 / c.thickness
+
+    @force("swell")
+    def push(scene: Scene) -> Force:
+        return Force("swell", (("swell_drag", 0.1),), ("wave_height",))
+
+    @fixed("wave_height", "m")
+    def height(scene: Scene) -> np.ndarray:
+        return np.full(scene_grid(scene.domain).shape, 2.0)
+
+    text = "effects: [wind, ocean_drag{}]\npacking: {{elements: 100}}\n"
+    plain, scene = (parse_scene(text.format(more).encode(), "a") for more in ("", ", swell"))
+    assert scene.effects == ("wind", "ocean_drag", "swell")
+    for stage in ("dynamics", "forcing"):
+        assert stage_hash(scene, stage) != stage_hash(plain, stage)
+
+    forcing = window_forcing(scene, 1, tmp_path)
+    assert forcing["wave_height"].attrs["units"] == "m"
+    assert forcing["wave_height"].dims == ("y", "x") and (forcing["wave_height"] == 2.0).all()
+    assert "wave_height" not in window_forcing(plain, 1, tmp_path)
+
+    params = engine_params(scene)
+    assert "swell_drag 0.1" in params.fix_style() and "wave_height" in params.external
+    assert engine_forcing(scene, forcing, params.external).fields["wave_height"].mean() == 2.0
+    assert "swell" not in engine_params(plain).fix_style()
+    assert ledger_sums(scene.effects)[-2:] == ("impulse_swell_x", "impulse_swell_y")
+    assert "H / h: height of the waves over the thickness of the ice" in effects_page()
 
 
 def test_a_reader_from_outside_makes_a_mask(

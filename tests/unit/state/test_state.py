@@ -124,11 +124,11 @@ UNTRUE = {
         ("ghost", "names an element that does not exist"),
         ("newer", f"schema version is {SCHEMA_VERSION + 1}, this FloeFlow writes version"),
         ("attribute", "attribute 'seed' is missing"),
-        ("effects", "attribute 'effects' names 'haze', which is no effect"),
-        ("column_scheme", "'column_scheme' is 'onion', which is no column scheme"),
+        ("effects", "attribute 'effects' names 'haze', which is not an effect"),
+        ("column_scheme", "'column_scheme' is 'onion', which is not a column scheme"),
         ("time", "attribute 'time' is nan"),
-        ("start", "attribute 'start' is 'soon', which is no time"),
-        ("provenance", "attribute 'provenance' is no JSON object"),
+        ("start", "attribute 'start' is 'soon', which is not a time"),
+        ("provenance", "attribute 'provenance' is not a JSON object"),
     ],
 )
 def test_a_broken_state_is_refused(tmp_path: Path, change: str, sentence: str):

@@ -196,7 +196,7 @@ def test_wrong_files_are_refused_in_a_sentence(tmp_path):
     refused(path, "there is no such file")
     structured(x, y).to_netcdf(path)
     refused(path, "no projection .crs. is given", crs="")
-    refused(path, "'EPSG:4326' is no projection in metres", crs="EPSG:4326")
+    refused(path, "'EPSG:4326' is not a projection in metres", crs="EPSG:4326")
     refused(path, "'nonsense' names no coordinate system", crs="nonsense")
     refused(path, "asks for variable 'sicon', which is not there", variable="sicon")
     structured(x, y, units="degrees").to_netcdf(path)

@@ -165,5 +165,5 @@ def test_wrong_input_is_named():
         build_sampler(x, y, GRID, valid=np.ones(3, bool))
     with pytest.raises(FloeError, match="above 0 m"):
         disc_points(x, y, np.zeros(4), 1.0)
-    with pytest.raises(FloeError, match="cell of element 1 is no polygon"):
+    with pytest.raises(FloeError, match="cell of element 1 is not a polygon"):
         polygon_points(np.array([0, 3, 5]), np.arange(5.0), np.arange(5.0), 1.0)

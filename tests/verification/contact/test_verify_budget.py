@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.state.bonds import Arrays
 from support.contact import figures
+from support.full_ice import full_params
 from support.rafts import angular_momentum, bonded, discs, lattice
 
 SELF = MPI.COMM_SELF
@@ -53,7 +54,7 @@ def budget(
 ) -> dict[str, float]:
     """Initial energy, each loss, and the residual, all in J but the counts."""
     table = bonded(elements, gap=0.1)
-    params = EngineParams(time_step=1.0, bonds=True, bond_damping=0.1, exact_losses=exact)
+    params = full_params(time_step=1.0, bonds=True, bond_damping=0.1, exact_losses=exact)
     step = share * critical_step(elements, table, params)[0]
     steps = round(seconds / step)
     params = replace(params, time_step=seconds / steps)
@@ -117,9 +118,9 @@ def free_cluster(log: Path, steps: int) -> tuple[np.ndarray, np.ndarray, Arrays,
         raft[name] = size * random.normal(size=len(raft["id"]))
     table = bonded(raft)
     laws = {"bonds": True, "bond_damping": 0.0, "compressive_strength": 1e9, "friction": False}
-    step = 0.1 * critical_step(raft, table, EngineParams(time_step=1.0, **laws))[0]
+    step = 0.1 * critical_step(raft, table, full_params(time_step=1.0, **laws))[0]
     energies = []
-    with Engine(SELF, EngineParams(time_step=step, **laws), log) as engine:
+    with Engine(SELF, full_params(time_step=step, **laws), log) as engine:
         engine.load(raft, table)
         for _ in range(steps // 100):
             sums = engine.diagnostics()

@@ -19,12 +19,13 @@ import xarray as xr
 from mpi4py import MPI
 from scipy.sparse.linalg import eigsh, spsolve
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
+from floeflow.dynamics.engine.engine import Engine, Forcing
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.state.bonds import Arrays
 from support.contact import figures
 from support.contact.frame import Frame, equilibrium, frame_of, gradient, hessian, stiffness
 from support.contact.glue_line import failed
+from support.full_ice import full_params
 from support.rafts import bonded, discs, uniform
 
 SELF = MPI.COMM_SELF
@@ -65,9 +66,9 @@ def tip(state: np.ndarray) -> float:
 def settled(log: Path, force: float) -> np.ndarray:
     """State (n, 3) at rest under the load, by the engine."""
     elements, bonds, _ = cantilever()
-    params = EngineParams(time_step=1.0, bond_damping=0.3, **UNBREAKABLE)
+    params = full_params(time_step=1.0, bond_damping=0.3, **UNBREAKABLE)
     step = 0.5 * critical_step(elements, bonds, params)[0]
-    params = EngineParams(time_step=step, bond_damping=0.3, **UNBREAKABLE)
+    params = full_params(time_step=step, bond_damping=0.3, **UNBREAKABLE)
     now, last = elements, math.inf
     with Engine(SELF, params, log) as engine:
         for _ in range(200):
@@ -133,7 +134,7 @@ def first_mode() -> tuple[float, np.ndarray, np.ndarray]:
 def test_first_natural_frequency(log: Path) -> None:
     elements, bonds, frame = cantilever()
     frequency, shape, mass = first_mode()
-    params = EngineParams(time_step=1.0, bond_damping=0.0, **UNBREAKABLE)
+    params = full_params(time_step=1.0, bond_damping=0.0, **UNBREAKABLE)
     start = dict(elements)
     speed = 1e-4 * LENGTH * frequency
     start["u"], start["v"], start["omega"] = (speed * shape[:, k] for k in range(3))
@@ -233,7 +234,7 @@ def test_breaks_where_the_envelope_is_first_met(log: Path) -> None:
         "tensile_share": STRENGTH["tensile"] / STRENGTH["compressive"],
         "friction_angle": math.radians(35.0),
     }
-    with Engine(SELF, EngineParams(time_step=1.0, bond_damping=0.1, **weak), log) as engine:
+    with Engine(SELF, full_params(time_step=1.0, bond_damping=0.1, **weak), log) as engine:
         engine.load(elements, bonds)
         engine.set_forcing(forcing)
         now = bonds

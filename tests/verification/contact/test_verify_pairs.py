@@ -21,6 +21,7 @@ from floeflow.dynamics.engine.engine import Engine, EngineParams
 from floeflow.state.bonds import Arrays
 from support.contact import figures
 from support.contact.glue_line import Side, cracks, displacement, failed, load_on
+from support.full_ice import full_params
 from support.rafts import bonded, discs, uniform
 
 SELF = MPI.COMM_SELF
@@ -39,7 +40,7 @@ class Mode:
     angle: float
 
     def params(self, **more: object) -> EngineParams:
-        return EngineParams(
+        return full_params(
             time_step=STEP, bonds=True, bond_damping=0.0, poisson_ratio=self.poisson,
             compressive_strength=self.compressive, friction=False, reach=4.0,
             tensile_share=self.tensile / self.compressive,
@@ -213,7 +214,7 @@ def test_force_and_torque_of_cracked_bonds_under_mixed_load(log: Path, seed: int
     moved = {name: values.copy() for name, values in pair.items()}
     for name, size in (("x", 30.0), ("y", 30.0), ("theta", 0.02)):
         moved[name] += random.uniform(-size, size, 2)
-    params = EngineParams(
+    params = full_params(
         time_step=1e-3, bonds=True, bond_damping=0.0, compressive_strength=1e12, friction=False,
         reach=2.0,
     )  # fmt: skip

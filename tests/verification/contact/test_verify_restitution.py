@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from support.contact import figures
+from support.full_ice import full_params
 from support.rafts import discs
 
 SELF = MPI.COMM_SELF
@@ -44,7 +45,7 @@ def rebound(
     inverse = 1 / pair["mass"]
     reduced = 1 / (inverse[1] if fixed else inverse.sum())
     half_period = math.pi * math.sqrt(reduced / stiffness)
-    params = EngineParams(
+    params = full_params(
         time_step=half_period / (200 * refine), friction=False, contact_modulus=modulus,
         contact_damping=share,
     )  # fmt: skip

@@ -14,10 +14,11 @@ import pytest
 import xarray as xr
 from mpi4py import MPI
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.state.bonds import Arrays
 from support.contact import figures
 from support.contact.ridge_law import EDGE, RidgeLaw, Ridging, demsi_force
+from support.full_ice import full_params
 from support.rafts import bonded, discs
 
 SELF = MPI.COMM_SELF
@@ -61,7 +62,7 @@ def turned_back(engine: Engine, speed: float) -> None:
 
 @pytest.mark.parametrize("h", [0.1, 0.25, 1.0])
 def test_pressed_together_and_released(log: Path, h: float, show) -> None:
-    params = EngineParams(
+    params = full_params(
         time_step=0.05, ridging=True, friction=False, contact_damping=0.0,
         compressive_strength=1e5, contact_modulus=MODULUS,
     )  # fmt: skip
@@ -102,7 +103,7 @@ THICKNESSES = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 1.0)
 
 
 def test_single_ridges_force_against_displacement(log: Path, show) -> None:
-    params = EngineParams(
+    params = full_params(
         time_step=0.1, ridging=True, friction=False, contact_damping=0.0,
         compressive_strength=1e5, contact_modulus=MODULUS,
     )  # fmt: skip
@@ -155,7 +156,7 @@ def test_unbonded_beside_demsi(log: Path, shared: Path, show) -> None:
     demsi = demsi_run(shared, "unbonded")
     moved = 2 * RADIUS - (demsi["x"].values[:, 1, 0] - demsi["x"].values[:, 0, 0])
     seconds = 60
-    params = EngineParams(
+    params = full_params(
         time_step=STEP, ridging=True, friction=False, contact_damping=0.1,
         compressive_strength=2.5e8, contact_modulus=1e9,
     )  # fmt: skip
@@ -190,7 +191,7 @@ def test_bond_broken_in_compression_beside_demsi(log: Path, shared: Path, show) 
     demsi = demsi_run(shared, "bonded")
     whole = demsi["bondLength"].values[:, 0] > 0
     pair = pair_of(1.0, SPEED)
-    params = EngineParams(
+    params = full_params(
         time_step=STEP, bonds=True, ridging=True, friction=False, bond_damping=0.0, reach=1.5,
         contact_damping=0.0, compressive_strength=2.5e8, tensile_share=4e21, contact_modulus=1e9,
     )  # fmt: skip

@@ -21,6 +21,7 @@ from floeflow.state.elements import element_arrays
 from support.contact import figures
 from support.contact.ridge_law import EDGE, RidgeLaw, Ridging
 from support.contact.ridging_pack import CELL, LEAST, advance, assert_balance, pack_state
+from support.full_ice import full_params
 from support.rafts import discs, lattice
 
 RADIUS, LENGTH = 2500.0, 2 * EDGE * 2500.0
@@ -30,10 +31,10 @@ LAWS = {"ridging": True, "compressive_strength": 1e5}
 def stepped(state: xr.Dataset, window: float, **switches: object) -> tuple[EngineParams, int]:
     """Parameters with half of the critical step or less, and the steps of a window."""
     laws = LAWS | switches
-    trial = EngineParams(time_step=1.0, **laws)
+    trial = full_params(time_step=1.0, **laws)
     critical, _ = critical_step(element_arrays(state, LEAST), None, trial)
     steps = math.ceil(window / (0.4 * critical))
-    return EngineParams(time_step=window / steps, **laws), steps
+    return full_params(time_step=window / steps, **laws), steps
 
 
 # --- One dimension: a row of elements and a wind that blows it against the coast.

@@ -12,8 +12,9 @@ import xarray as xr
 from mpi4py import MPI
 from scipy.integrate import solve_ivp
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from support.contact import figures
+from support.full_ice import full_params
 from support.rafts import discs, uniform
 
 SELF = MPI.COMM_SELF
@@ -22,7 +23,7 @@ SELF = MPI.COMM_SELF
 def test_constant_velocity_is_exact(log: Path) -> None:
     one = discs(100.0, 200.0)
     one["u"][:], one["v"][:], one["omega"][:] = 0.5, -0.25, 2.0**-10
-    with Engine(SELF, EngineParams(time_step=2.0), log) as engine:
+    with Engine(SELF, full_params(time_step=2.0), log) as engine:
         engine.load(one)
         engine.run(100_000)
         out = engine.elements()
@@ -33,7 +34,7 @@ def test_constant_velocity_is_exact(log: Path) -> None:
 
 @pytest.mark.parametrize("relative", [False, True])
 def test_terminal_drift_for_any_thickness_at_one_step(log: Path, relative: bool) -> None:
-    params = EngineParams(time_step=60.0, wind=True, ocean_drag=True, relative_wind=relative)
+    params = full_params(time_step=60.0, wind=True, ocean_drag=True, relative_wind=relative)
     share = math.sqrt(params.wind_stress_factor / params.ocean_stress_factor)
     terminal = 30.0 * (share / (1 + share) if relative else share)
     thickness = 10.0 ** np.arange(1, -7, -1)
@@ -75,7 +76,7 @@ def drift(times: np.ndarray, name: str, half_relative: bool) -> np.ndarray:
 def drift_of_engine(log: Path, times: np.ndarray, name: str) -> np.ndarray:
     thickness, air, water = DRAG[name]
     switches = {"time_step": 60.0, "wind": True, "ocean_drag": True}
-    params = EngineParams(**switches, wind_stress_factor=air, ocean_stress_factor=water)
+    params = full_params(**switches, wind_stress_factor=air, ocean_stress_factor=water)
     one = discs(0.0, 0.0, RADIUS, thickness)
     one["mass"] = DENSITY * thickness * one["ice_area"]
     speeds = [0.0]
@@ -112,7 +113,7 @@ def test_inertial_circle(log: Path, show) -> None:
     f, turn = 1.4e-4, 20_000
     one = discs(5e4, -3e4)
     one["u"][:] = 0.3
-    params = EngineParams(time_step=2 * math.pi / f / turn, coriolis=True)
+    params = full_params(time_step=2 * math.pi / f / turn, coriolis=True)
     path = [(5e4, -3e4)]
     with Engine(SELF, params, log) as engine:
         engine.load(one)
@@ -135,7 +136,7 @@ def test_inertial_circle(log: Path, show) -> None:
 
 def test_spin_decays_by_the_quadratic_law(log: Path, show) -> None:
     spin, radius, steps = 1e-3, 1000.0, 600
-    factor = EngineParams(time_step=1.0).ocean_stress_factor
+    factor = full_params(time_step=1.0).ocean_stress_factor
     # m r^2/2 dw/dt = -2/5 A rho C r^3 w^2, with m / A = 917 kg/m2
     tau = 917.0 / (0.8 * factor * radius * spin)
     times = np.arange(0, 11) * 2 * tau
@@ -144,7 +145,7 @@ def test_spin_decays_by_the_quadratic_law(log: Path, show) -> None:
     for refine in (1, 2, 4):
         step = 2 * tau / (steps * refine)
         omega = [spin]
-        with Engine(SELF, EngineParams(time_step=step, ocean_drag=True), log) as engine:
+        with Engine(SELF, full_params(time_step=step, ocean_drag=True), log) as engine:
             one = discs(0.0, 0.0, radius)
             one["omega"][:] = spin
             engine.load(one)

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.dynamics.step.critical import critical_step
 from support.contact import figures
 from support.contact.demsi_bonds import DemsiLaw, swing
+from support.full_ice import full_params
 from support.rafts import uniform
 from verification.contact.test_verify_cantilever import (
     LARGE,
@@ -35,9 +36,9 @@ def released(log: Path, damping: float, times: np.ndarray) -> np.ndarray:
     """Mean tip (time,), complex, m, by the engine: the large load is put on at once."""
     elements, bonds, _ = cantilever()
     now = elements | {"mass": np.full(len(elements["id"]), DEMSI_MASS)}
-    params = EngineParams(time_step=1.0, bond_damping=damping, **UNBREAKABLE)
+    params = full_params(time_step=1.0, bond_damping=damping, **UNBREAKABLE)
     every = math.ceil(times[1] / (0.25 * critical_step(now, bonds, params)[0]))
-    params = EngineParams(time_step=times[1] / every, bond_damping=damping, **UNBREAKABLE)
+    params = full_params(time_step=times[1] / every, bond_damping=damping, **UNBREAKABLE)
     out, end = [], elements["ice_area"] > 0
     with Engine(SELF, params, log) as engine:
         engine.load(now, bonds)

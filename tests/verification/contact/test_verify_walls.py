@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from floeflow.dynamics.engine.engine import Engine, EngineParams
+from floeflow.dynamics.engine.engine import Engine
 from floeflow.dynamics.step.critical import critical_step
 from floeflow.state import walls
 from floeflow.state.bonds import Arrays
 from support.contact import figures
+from support.full_ice import full_params
 from support.rafts import bonded, lattice
 
 SPEED, SECONDS = 1.0, 400.0
@@ -39,9 +40,9 @@ def impact(
     floe = lattice(6, 5)
     floe["u"] += floe_speed
     table, laws = bonded(floe, gap=0.1), {"bonds": True, "bond_damping": 0.1}
-    step = share * critical_step(floe, table, EngineParams(time_step=1.0, **laws))[0]
+    step = share * critical_step(floe, table, full_params(time_step=1.0, **laws))[0]
     steps = round(SECONDS / step)
-    params = EngineParams(time_step=SECONDS / steps, **laws)
+    params = full_params(time_step=SECONDS / steps, **laws)
     with Engine(MPI.COMM_SELF, params, log, wedge(wall_speed)) as engine:
         engine.load(floe, table)
         first = engine.diagnostics()

@@ -11,7 +11,7 @@ import pytest
 from support.transfer import remap_figures
 from support.transfer.squeeze import Squeeze, squeeze
 
-CURES = ("remap", "merge", "")
+REMESHING = ("remap", "merge", "")
 
 
 def assert_runs_on(run: Squeeze, windows: int) -> None:
@@ -23,25 +23,25 @@ def assert_runs_on(run: Squeeze, windows: int) -> None:
     assert min(run.step) > 0.5 * run.step[0]
 
 
-@pytest.mark.parametrize("cure", ["remap", "merge"])
-def test_a_small_pack_runs_on(cure: str, tmp_path: Path) -> None:
-    assert_runs_on(squeeze(cure, 60, 6, tmp_path), 6)
+@pytest.mark.parametrize("remesh", ["remap", "merge"])
+def test_a_small_pack_runs_on(remesh: str, tmp_path: Path) -> None:
+    assert_runs_on(squeeze(remesh, 60, 6, tmp_path), 6)
 
 
 @pytest.mark.slow
 def test_step_and_cost_of_a_squeezed_pack(tmp_path: Path, show) -> None:
     windows = 40
-    runs = {cure: squeeze(cure, 300, windows, tmp_path) for cure in CURES}
-    for cure, run in runs.items():
+    runs = {remesh: squeeze(remesh, 300, windows, tmp_path) for remesh in REMESHING}
+    for remesh, run in runs.items():
         print(
-            f"{cure or 'no cure'}: width {run.width[-1]:.2f}, step {run.step[0]:.2f} s to "
+            f"{remesh or 'no remeshing'}: width {run.width[-1]:.2f}, step {run.step[0]:.2f} s to "
             f"{run.step[-1]:.2f} s, least {min(run.step):.2f} s, elements {run.elements[-1]}, "
             f"element-steps {np.dot(run.steps, run.elements) / 1e6:.1f} million {run.fault}"
         )
     show("remap_squeeze", remap_figures.squeezed, runs)
     show("remap_squeeze_cost", remap_figures.cost, runs)
-    for cure in ("remap", "merge"):
-        assert_runs_on(runs[cure], windows)
-    # Without a cure the step shrinks on and on.
+    for remesh in ("remap", "merge"):
+        assert_runs_on(runs[remesh], windows)
+    # Without remeshing the step shrinks on and on.
     bare = runs[""]
     assert bare.fault or bare.step[-1] < 0.8 * max(bare.step[windows // 4 :])

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Public functions of the library say what each parameter is, with shape and unit.
+
+Ruff asks for a docstring of all that is public, and that sections, where there are any, name each
+parameter and error. This asks for the sections themselves.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+# Docstrings of commands are what ``--help`` prints. Those of the synthetic climate give unit and
+# shape of what comes out in their first line: all take places, days and weather there.
+EXEMPT = ("floeflow/cli.py", "floeflow/forcings/climatology/")
+
+
+def public(body: list[ast.stmt]) -> Iterator[ast.FunctionDef]:
+    """Public functions of a module, and methods of its public classes."""
+    for node in body:
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            yield from public(node.body)
+        elif isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+            yield node
+
+
+def without_sections(source: str) -> list[str]:
+    """Public functions of two parameters and more whose docstring has no list of them."""
+    found = []
+    for node in public(ast.parse(source).body):
+        given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+        names = [each.arg for each in given if each.arg not in ("self", "cls")]
+        text = ast.get_docstring(node) or ""
+        if len(names) > 1 and "Parameters\n----------\n" not in text:
+            found.append(node.name)
+    return found
+
+
+def test_public_functions_list_their_parameters(project: Path):
+    lost = {}
+    for path in sorted((project / "floeflow").rglob("*.py")):
+        name = path.relative_to(project).as_posix()
+        if not name.startswith(EXEMPT) and (found := without_sections(path.read_text())):
+            lost[name] = found
+    assert lost == {}
+
+
+def test_a_function_without_sections_is_found():
+    listed = '    """Sum.\n\n    Parameters\n    ----------\n    a, b : float\n    """\n'
+    assert without_sections(f"def add(a, b):\n{listed}") == []
+    assert without_sections('def add(a, b):\n    """Sum of two lengths (m)."""\n') == ["add"]
+    assert without_sections('class A:\n    def add(self, a, b):\n        """Sum."""\n') == ["add"]
+    assert without_sections('def _add(a, b):\n    """Sum."""\n') == []
+    assert without_sections('def twice(a):\n    """Twice a length (m)."""\n') == []
