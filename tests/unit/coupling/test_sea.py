@@ -112,7 +112,7 @@ def windows(scene, state, places, forcing, count: int):
             MPI.COMM_SELF, scene, state, forcing, (0.0, 86400.0), state["area"].values, places
         )
         terms = add_terms(totals(each), terms)
-        state, more = end_at_sea(scene, state, found, places)
+        state, more, _ = end_at_sea(scene, state, found, places)
         for part in (terms, more):
             for name, value in part.items():
                 total[name] = total.get(name, 0.0) + value
@@ -281,7 +281,7 @@ def test_melted_elements_give_their_water_back():
     thin["ice_volume"][:3] = 0.001
     thin["snow_volume"][:3] = 0.0
     none = OpenIce(np.zeros(0, int), np.zeros(0), _no_columns(thin), _shares(thin, places))
-    after, terms = end_at_sea(scene, thin, none, places)
+    after, terms, _ = end_at_sea(scene, thin, none, places)
     assert terms["sea_gone"] == 3 and after.sizes["element"] == thin.sizes["element"] - 3
     lost = float((thin["area"] * thin["ice_volume"].sum("category"))[:3].sum())
     assert terms["growth_dissolved"] == pytest.approx(-lost, rel=1e-12)
@@ -418,6 +418,6 @@ def test_frazil_stays_in_the_sea_until_there_is_enough():
     )
     cover = icy(found).columns["ice_fraction"].sum(axis=1)
     assert len(cover) and cover.max() < 0.15
-    after, terms = end_at_sea(scene, state, found, places)
+    after, terms, _ = end_at_sea(scene, state, found, places)
     assert terms["sea_born"] == 0 and terms["growth_dissolved"] < 0
     assert after["pending_freeze"].values.max() > 0.5 * lack
