@@ -111,7 +111,7 @@ CHAPTERS = (
         "Ice",
         "Each element is drawn as its cell of the tessellation, carried and turned with it; coast "
         "elements are dark grey, land light grey. Maps of one quantity share their colour scale.",
-        ("elements_", "series_", "ice_"),
+        ("elements_", "series_", "ice_", "packing_"),
     ),
 )
 
@@ -160,6 +160,7 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
         *gallery.element_pictures(easel, scene, frame, first, last, material.packing),
         *gallery.series_pictures(easel, scene, material.diagnostics),
         *gallery.analysis_pictures(easel, scene, material.analyses),
+        *gallery.packing_pictures(easel, material.packing),
         *gallery.budget_pictures(easel, budgets),
     ]
     facts = summary.facts(headline, scene)

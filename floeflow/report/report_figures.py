@@ -28,6 +28,7 @@ from floeflow.report.figures.budgets import budget_figure
 from floeflow.report.figures.cost import cost_figure
 from floeflow.report.figures.frame import Frame
 from floeflow.report.figures.maps import Shapes, element_map, element_shapes, element_values
+from floeflow.report.figures.packing import packing_figures
 from floeflow.report.figures.series import series_figures
 from floeflow.report.figures.style import (
     CONCENTRATION,
@@ -188,6 +189,12 @@ def series_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Pi
 def analysis_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[Picture]:
     """Analyses of ice and motion, as far as the run supports them."""
     for name, caption, figure in analysis_figures(data, scene.time.start):
+        yield easel.chart(name, caption, figure)
+
+
+def packing_pictures(easel: Easel, packing: xr.Dataset) -> Iterator[Picture]:
+    """How the elements of the start are distributed."""
+    for name, caption, figure in packing_figures(packing):
         yield easel.chart(name, caption, figure)
 
 
