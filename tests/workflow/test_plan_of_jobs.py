@@ -95,7 +95,7 @@ def test_snakemakes_own_report_has_categories_labels_and_captions(
     assert done.returncode == 0, done.stdout[-3000:]
     page = (place.folder / "all.html").read_text(encoding="utf-8")
     results, categories, said = (
-        json.loads(re.search(rf"var {name} = (.*?);\n", page)[1])
+        json.loads(re.search(rf"var {name} = ([{{\"].*);\n", page)[1])
         for name in ("results", "categories", "workflow_desc")
     )
     assert set(categories) == {"Report", "Figures"} and "Sea ice as discrete elements" in said
