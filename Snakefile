@@ -14,6 +14,10 @@ min_version("9.0")
 one_line_an_event(logger)
 
 
+# What `snakemake --report FILE` says first.
+report: "workflows/captions/workflow.rst"
+
+
 include: "workflows/rules/common.smk"
 
 

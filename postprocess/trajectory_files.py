@@ -5,7 +5,7 @@ import logging
 from itertools import chain
 from pathlib import Path
 
-from floeflow.diagnostics.trajectory import drift_statistics, make_frames, write_dump
+from floeflow.diagnostics.trajectory import drift_statistics, make_frames, write_dump, write_xtc
 from floeflow.state import read_state, write_dataset
 from floeflow.state.snapshots import read_snapshots
 from floeflow.workflow.job import Snakemake, run_script, scene_of
@@ -16,6 +16,7 @@ def main(snakemake: Snakemake) -> None:
     first = read_state(snakemake.input.first)
     frames = make_frames(chain([first], read_snapshots(snakemake.input.elements)))
     write_dump(frames, scene_of(snakemake).domain, Path(str(snakemake.output.trajectory)))
+    write_xtc(frames, scene_of(snakemake).domain, Path(str(snakemake.output.places)))
     statistics = drift_statistics(frames)
     write_dataset(statistics, snakemake.output.drift)
     gone = statistics["drift_distance"].values[-1]

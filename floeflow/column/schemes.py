@@ -73,6 +73,8 @@ def advance_columns(
 ) -> tuple[Columns, dict[str, Array]]:
     """Advance columns over a window; with the terms, ``*_stored`` for what is kept.
 
+    ``ice_area_grown`` (1) is how much more of the area is under ice by growth and melt alone.
+
     Parameters
     ----------
     columns : dict of ndarray
@@ -101,7 +103,10 @@ def advance_columns(
     after, terms = scheme.advance(ridged, sample, window, settings)
     start, end = (scheme.stored(each, settings) for each in (first, after))
     stored = {f"{name}_stored": end[name] - start[name] for name in end}
-    return after, named_terms({**terms, **closing, **stored}, settings)
+    # Without what ridging closed.
+    covered, cover = (each["ice_fraction"].sum(axis=1) for each in (ridged, after))
+    named = {**terms, **closing, **stored, "ice_area_grown": cover - covered}
+    return after, named_terms(named, settings)
 
 
 # Terms that come with a process.

@@ -63,6 +63,34 @@ def write_polygons(
         mesh.write(temporary, file_format="vtu")
 
 
+def write_lines(path: Path, points: Array, cell_data: Mapping[str, NDArray[np.generic]]) -> None:
+    """Write straight lines as an unstructured VTK mesh (``.vtu``), whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its folder is made.
+    points : ndarray
+        Both ends of each line (m), (line, 2, 2).
+    cell_data : mapping
+        Fields by name, (line,).
+
+    Raises
+    ------
+    FloeError
+        Where the file cannot be written.
+    """
+    count = len(points)
+    flat = np.zeros((2 * count, 3))
+    flat[:, :2] = points.reshape(-1, 2)
+    ends = np.arange(2 * count).reshape(count, 2)
+    mesh = meshio.Mesh(
+        flat, [("line", ends)], cell_data={name: [values] for name, values in cell_data.items()}
+    )
+    with write_atomically(path) as temporary:
+        mesh.write(temporary, file_format="vtu")
+
+
 def read_faces(path: Path) -> tuple[Array, Array, Index]:
     """Read the triangles and quadrilaterals of a mesh in any format of meshio.
 

@@ -22,7 +22,7 @@ from floeflow.core.grids import scene_crs, to_lonlat
 from floeflow.core.sun import day_of_year, sun_height
 from floeflow.coupling.sea.birth import OpenIce, icy, melt_back, settle_ice
 from floeflow.coupling.sea.columns import float_columns, give_back
-from floeflow.coupling.sea.ice import add_terms
+from floeflow.coupling.sea.ice import Returned, add_terms
 from floeflow.coupling.sea.places import SeaPlaces
 from floeflow.coupling.sea.shares import build_shares
 from floeflow.coupling.sea.water import Water, read_water, relax_heat, relax_salt, with_water
@@ -317,7 +317,7 @@ def totals(each: Arrays) -> Budget:
 
 def settle_open_ice(
     scene: Scene, state: xr.Dataset, found: OpenIce, places: SeaPlaces, last: bool
-) -> tuple[xr.Dataset, Budget]:
+) -> tuple[xr.Dataset, Budget, Returned]:
     """What becomes of ice that formed in open water; see `floeflow.coupling.sea.birth`.
 
     Parameters
@@ -332,10 +332,16 @@ def settle_open_ice(
         The sea.
     last : bool
         At the window's end; before the dynamics no element may come or go, and all melts back.
+
+    Returns
+    -------
+    tuple of xarray.Dataset, dict and Returned
+        State, terms of the budgets, and what melted back, by places.
     """
     water = read_water(state, places.area, column_settings(scene))
     if last:
-        state, water, terms = settle_ice(state, water, found, places)
+        state, water, terms, back = settle_ice(state, water, found, places)
     else:
-        water, terms = melt_back(water, icy(found))
-    return with_water(state, water), terms
+        water, terms, back = melt_back(water, icy(found), places)
+        terms["sea_melted_back"] = float(back.volume.sum())
+    return with_water(state, water), terms, back

@@ -27,7 +27,7 @@ from floeflow.core.collective import leave, on_root
 from floeflow.core.errors import FloeError
 from floeflow.core.lock import join_run
 from floeflow.core.records import WINDOW_CPU, Record, write_records
-from floeflow.coupling import resume
+from floeflow.coupling import growth, resume
 from floeflow.coupling.ages import grow_older
 from floeflow.coupling.columns import advance_columns, settle_open_ice, totals
 from floeflow.coupling.crowding import close_crowded
@@ -36,7 +36,7 @@ from floeflow.coupling.gates import gate_fluxes, gate_lines
 from floeflow.coupling.job import Job
 from floeflow.coupling.refreezing import freeze_window
 from floeflow.coupling.sea.birth import OpenIce
-from floeflow.coupling.sea.ice import add_terms
+from floeflow.coupling.sea.ice import Returned, add_terms
 from floeflow.coupling.sea.places import SeaPlaces, read_places
 from floeflow.coupling.series import sea_change, series_dataset, volumes
 from floeflow.coupling.window_end import end_at_sea
@@ -59,12 +59,13 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Advanced:
-    """What a window leaves."""
+    """What a window leaves; ``grown`` where the scene makes gridded tendencies."""
 
     state: xr.Dataset
     series: xr.Dataset
     cost: list[Record]
     fluxes: xr.Dataset | None = None
+    grown: dict[str, np.ndarray] | None = None
 
 
 def advance_window(
@@ -116,9 +117,10 @@ def advance_window(
     if middle > start:
         before = grow(comm, scene, state, forcing, (start, middle), area, start, places)
         if before.found is not None and places is not None:
-            settled, terms = settle_open_ice(scene, before.state, before.found, places, False)
-            before = replace(before, state=settled, terms=add_terms(before.terms, terms))
-    grown = volumes(before.state, "dynamics")
+            settled, terms, back = settle_open_ice(scene, before.state, before.found, places, False)
+            terms = add_terms(before.terms, terms)
+            before = replace(before, state=settled, terms=terms, back=back)
+    first_half = volumes(before.state, "dynamics")
     motion = move(comm, scene, before.state, forcing, log, report)
     state = motion.state
     if "gates" in scene.effects:
@@ -129,7 +131,7 @@ def advance_window(
     # What the dynamics alone change, counted from the window's start.
     for name, volume in volumes(state, "dynamics").items():
         at_start = budget[name.replace("_dynamics", "_start")]
-        budget[name] = volume - (grown[name] - at_start) if middle > start else volume
+        budget[name] = volume - (first_half[name] - at_start) if middle > start else volume
     after = grow(comm, scene, state, forcing, (middle, end), area, end, places)
     state = after.state
     budget |= add_terms(before.terms, after.terms)
@@ -157,8 +159,12 @@ def advance_window(
         n, seconds = state.sizes["element"], time.perf_counter() - began
         costs.append(Record("fluxes", n, comm.size, [seconds]))
     began = time.perf_counter()
-    state, terms = on_root(comm, end_at_sea, scene, state, after.found, places)
+    grown = _grown(scene, before, after, places)
+    state, terms, melted_back = on_root(comm, end_at_sea, scene, state, after.found, places)
     budget = add_terms(budget, terms)
+    for melted in (before.back, melted_back):
+        if grown is not None and melted is not None:
+            grown = growth.without(grown, melted)
     if "mixed_layer" in scene.effects and places is not None:
         budget |= sea_change(scene, first, state, places)
         n, seconds = state.sizes["element"], time.perf_counter() - began
@@ -173,7 +179,7 @@ def advance_window(
         budget["coast_ashore"] = float(len(ashore(scene, state)))
     budget |= volumes(state, "end")
     series = series_dataset(motion, budget, start)
-    return Advanced(state, series, costs, fluxes)
+    return Advanced(state, series, costs, fluxes, grown)
 
 
 def _sums(motion: Motion, before: Grown, after: Grown) -> dict[str, np.ndarray]:
@@ -183,6 +189,16 @@ def _sums(motion: Motion, before: Grown, after: Grown) -> dict[str, np.ndarray]:
         for name in after.each
     }
     return {**motion.impulses, **terms}
+
+
+def _grown(
+    scene: Scene, before: Grown, after: Grown, places: SeaPlaces | None
+) -> dict[str, np.ndarray] | None:
+    """What froze and melted where, for gridded tendencies."""
+    if not growth.wanted(scene):
+        return None
+    open_water = [part.found for part in (before, after) if part.found is not None]
+    return growth.growth_places(after.state, (before.each, after.each), open_water, places)
 
 
 def ashore(scene: Scene, state: xr.Dataset) -> np.ndarray:
@@ -214,7 +230,8 @@ def ashore(scene: Scene, state: xr.Dataset) -> np.ndarray:
 class Grown:
     """A state after its columns were advanced, terms in all and of each element, and seconds.
 
-    ``found`` is the ice that formed in open water, which has to be settled.
+    ``found`` is the ice that formed in open water, which has to be settled, ``back`` what of it
+    has melted.
     """
 
     state: xr.Dataset
@@ -223,6 +240,7 @@ class Grown:
     seconds: float = 0.0
     cpu_seconds: float = 0.0
     found: OpenIce | None = None
+    back: Returned | None = None
 
 
 def grow(
@@ -390,7 +408,8 @@ def _write(
         advanced.fluxes.attrs |= mark
         write_dataset(advanced.fluxes, work / resume.FLUXES)
     state = read_state(work / resume.STATE)
-    kept = join_snapshots([state])
+    grown = growth.as_variables(advanced.grown) if advanced.grown is not None else {}
+    kept = join_snapshots([state.assign(grown)])
     kept.attrs[resume.MADE_FROM] = made_from
     write_dataset(kept, work / resume.ELEMENTS)
     rest = time.perf_counter() - clocks[0] - known

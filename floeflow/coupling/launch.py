@@ -45,7 +45,8 @@ def run_ranks(job: Job, ranks: int, log: Path, launcher: tuple[str, ...] = ("mpi
     command = [*launcher, "-n", str(ranks), *program]
     log.parent.mkdir(parents=True, exist_ok=True)
     fault = ""
-    with open(log, "w") as errors, show_progress(job.windows[job.done :]) as show:
+    windows = job.read_scene().time.windows
+    with open(log, "w") as errors, show_progress(windows) as show:
         try:
             ranks_process = subprocess.Popen(
                 command,

@@ -52,6 +52,7 @@ PREFIX_UNITS = {
     "sea_heat_": "J",
     "sea_salt_": "kg",
     "sea_joined": "m2",
+    "sea_melted_back": "m3",
     "sea_": "1",
     "export_ice_area_": "m2",
     "export_ice_volume_": "m3",

@@ -8,13 +8,14 @@ import xarray as xr
 from floeflow.coupling.columns import settle_open_ice
 from floeflow.coupling.rims import export_ice, inflow_ice
 from floeflow.coupling.sea.birth import OpenIce
+from floeflow.coupling.sea.ice import Returned
 from floeflow.coupling.sea.places import SeaPlaces
 from floeflow.scene import Scene
 
 
 def end_at_sea(
     scene: Scene, state: xr.Dataset, found: OpenIce | None, places: SeaPlaces | None
-) -> tuple[xr.Dataset, dict[str, float]]:
+) -> tuple[xr.Dataset, dict[str, float], Returned | None]:
     """Let elements come where water froze and go where ice melted or left the rectangle.
 
     Parameters
@@ -26,16 +27,17 @@ def end_at_sea(
 
     Returns
     -------
-    tuple of xarray.Dataset and dict
-        State, and terms of the budgets.
+    tuple of xarray.Dataset, dict, and Returned or None
+        State, terms of the budgets, and ice that melted into the sea as a whole.
     """
     terms: dict[str, float] = {}
+    back: Returned | None = None
     if found is not None and places is not None:
-        state, terms = settle_open_ice(scene, state, found, places, True)
+        state, terms, back = settle_open_ice(scene, state, found, places, True)
     if "rims" in scene.effects:
         state, left = export_ice(scene, state)
         terms |= left
         if places is not None and scene.rims.inflow:
             state, came = inflow_ice(scene, state, places)
             terms |= came
-    return state, terms
+    return state, terms, back

@@ -33,7 +33,7 @@ class Described:
     units, long_name : str
         As in the file.
     mean : str
-        What it is a mean over, as in ``cell_methods``.
+        What it is a mean over, as in ``cell_methods``; empty for a sum over the cell.
     scale : float
         From the field as it is computed to the file's unit.
     area_type : str
@@ -135,6 +135,12 @@ DESCRIPTIONS = {
     ),
     "sispeed": Described(
         "sea_ice_speed", "m s-1", "speed of the ice's mean velocity at the instant", OF_ICE
+    ),
+    "sidmasstranx": Described(
+        "sea_ice_x_transport", "kg s-1", "mass of ice and snow that passes the cell along x", ""
+    ),
+    "sidmasstrany": Described(
+        "sea_ice_y_transport", "kg s-1", "mass of ice and snow that passes the cell along y", ""
     ),
     "sidivvel": Described(
         "divergence_of_sea_ice_velocity",
@@ -278,7 +284,7 @@ def _add_field(data: xr.Dataset, name: str, values: Array) -> None:
     data[name].attrs |= {
         "long_name": said.long_name,
         "units": said.units,
-        "cell_methods": f"{said.mean} time: point",
+        "cell_methods": f"{said.mean} time: point".strip(),
         "cell_measures": "area: sea_area",
         "grid_mapping": "crs",
     }

@@ -202,6 +202,33 @@ def gridded_fields(
     return fields
 
 
+def mass_transport(fields: Mapping[str, Array], area: Array, sea: Array) -> dict[str, Array]:
+    """Mass of ice and snow that passes each cell.
+
+    Parameters
+    ----------
+    fields : mapping
+        simass, siconc, siu, siv and, with snow, sisnthick.
+    area, sea : ndarray
+        Of the cells and of the sea in them (m2), (ny, nx).
+
+    Returns
+    -------
+    dict of ndarray
+        sidmasstranx, sidmasstrany (kg/s), (ny, nx): mass per area of the cell times velocity times
+        the cell's width on the earth, which the projection stretches alike along x and y; 0 where
+        the sea is open.
+    """
+    mass = np.nan_to_num(fields["simass"])
+    if "sisnthick" in fields:
+        mass = mass + SNOW_DENSITY * np.nan_to_num(fields["siconc"] * fields["sisnthick"])
+    per = np.where(sea > 0.0, mass * sea / area * np.sqrt(area), np.nan)
+    return {
+        f"sidmasstran{axis}": per * np.nan_to_num(fields[f"si{name}"])
+        for axis, name in (("x", "u"), ("y", "v"))
+    }
+
+
 def _near(mobile: xr.Dataset, room: Room) -> NDArray[np.bool_]:
     """Cells that may hold ice: those within one grid spacing of an element that has some."""
     iced = mobile.isel(element=np.flatnonzero(mobile["ice_fraction"].values.sum(axis=1) > 0.0))
@@ -243,6 +270,7 @@ def make_grid(
     area = cell_areas(mask, grid.shape)
     room = sea_room(mask, grid, hat_reach(state, grid))
     fields = gridded_fields(state, room, scene.grid.transfer)
+    fields |= mass_transport(fields, area, room.area)
     if forcing:
         fields |= surface_forces(scene, fields, forcing)
     return describe(scene, state, fields, (area, room.area))

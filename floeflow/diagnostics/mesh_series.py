@@ -2,7 +2,8 @@
 """Meshes of the elements' cells at all window boundaries, for ParaView.
 
 Each element is drawn as its cell of the packing, carried and turned with it, so that leads show as
-gaps; elements without a cell, as those of the coast, are drawn as their discs.
+gaps; elements without a cell, as those of the coast, are drawn as their discs. Bonds are the lines
+along which they hold.
 """
 
 import logging
@@ -13,8 +14,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from floeflow.core.period import period_of, shortest
 from floeflow.core.polygons import Outlines, body_outlines, carried_outlines, own_outlines
 from floeflow.scene.windows import window_name
+from floeflow.state.bonds import element_rows
 
 log = logging.getLogger(__name__)
 
@@ -100,4 +103,86 @@ def write_meshes(packing: xr.Dataset, states: Iterable[xr.Dataset], folder: Path
         paths.append(path)
         times.append(float(state.attrs["time"]))
     write_series(folder / "elements.pvd", [path.name for path in paths], times)
+    return paths
+
+
+def bond_lines(state: xr.Dataset) -> Array:
+    """Ends of the bonds' glue lines where the elements of the lower ids are (m), (bond, end, 2).
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        A state with bonds.
+    """
+    row = element_rows(state["id"].values, state["bond_id_lo"].values)
+    cos, sin = np.cos(state["theta"].values[row]), np.sin(state["theta"].values[row])
+    ends = []
+    for end in "ab":
+        bx, by = (state[f"bond_lo_{end}{axis}"].values for axis in "xy")
+        x = state["x"].values[row] + cos * bx - sin * by
+        y = state["y"].values[row] + sin * bx + cos * by
+        ends.append(np.stack([x, y], axis=1))
+    return np.stack(ends, axis=1)
+
+
+def bond_fields(state: xr.Dataset) -> dict[str, NDArray[np.generic]]:
+    """Fields of a state's bonds, by the names under which ParaView shows them.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        A state with bonds.
+
+    Returns
+    -------
+    dict of ndarray
+        (bond,): id_lo, id_hi, length and thickness (m), crack (share of the line, from both
+        ends), stretch (distance of the centres over that when it froze, less 1).
+    """
+    lo, hi = (element_rows(state["id"].values, state[f"bond_id_{e}"].values) for e in ("lo", "hi"))
+    way = [state[axis].values[hi] - state[axis].values[lo] for axis in "xy"]
+    apart = np.hypot(*shortest((way[0], way[1]), period_of(state.attrs)))
+    crack = state["bond_crack_a"].values + state["bond_crack_b"].values
+    return {
+        "id_lo": state["bond_id_lo"].values,
+        "id_hi": state["bond_id_hi"].values,
+        "length": state["bond_length"].values,
+        "thickness": state["bond_thickness"].values,
+        "crack": np.minimum(crack, 1.0),
+        "stretch": apart / state["bond_span"].values - 1.0,
+    }
+
+
+def write_bonds(states: Iterable[xr.Dataset], folder: Path) -> list[Path]:
+    """Write the bonds of each state, and ``bonds.pvd``, which names the files with their times.
+
+    Parameters
+    ----------
+    states : iterable of xarray.Dataset
+        Whole states; those without bonds make no file. Read once.
+    folder : Path
+        Gets the files, ``bonds_<window>.vtu``.
+
+    Returns
+    -------
+    list of Path
+        The meshes; none and no collection where no state has bonds.
+
+    Raises
+    ------
+    FloeError
+        Where a file cannot be written.
+    """
+    from floeflow.core.meshes import write_lines, write_series
+
+    paths, times = [], []
+    for state in states:
+        if "bond_id_lo" not in state or not state.sizes["bond"]:
+            continue
+        path = folder / f"bonds_{window_name(int(state.attrs['window']))}.vtu"
+        write_lines(path, bond_lines(state), bond_fields(state))
+        paths.append(path)
+        times.append(float(state.attrs["time"]))
+    if paths:
+        write_series(folder / "bonds.pvd", [path.name for path in paths], times)
     return paths

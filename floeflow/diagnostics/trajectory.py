@@ -38,6 +38,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 KEPT = ("x", "y", "theta", "u", "v", "radius", "area")
+# XTC keeps thousandths of a nanometre, here centimetres, as whole numbers of 32 bits.
+XTC_REACH = 2.0e7
 # Columns of the dump after id and type: name there, name here (none: always 0), and format.
 COLUMNS = (
     ("mass", "mass", "%.9g"),
@@ -168,6 +170,45 @@ def make_universe(frames: xr.Dataset, corner: tuple[float, float]) -> "MDAnalysi
     step = float(time[1] - time[0]) if len(time) > 1 else 1.0
     universe.load_new(places, order="fac", velocities=velocities, dt=step)
     return universe
+
+
+def write_xtc(frames: xr.Dataset, domain: Domain, path: Path) -> None:
+    """Write the elements' places as an XTC trajectory, whole or not at all.
+
+    Parameters
+    ----------
+    frames : xarray.Dataset
+        From `make_frames`.
+    domain : Domain
+        Places count from its lower left corner, as MDAnalysis reads them from the dump.
+    path : Path
+        The file; its folder is made.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be written, or places are too far for the format.
+    """
+    import MDAnalysis
+
+    corner = domain.x_min, domain.y_min
+    away = [np.abs(frames[axis].values - low) for axis, low in zip("xy", corner, strict=True)]
+    reach = float(np.max(away))
+    if reach > XTC_REACH:
+        raise FloeError(
+            f"{path}: an element is {reach / 1e3:.0f} km off the domain's lower left corner, and "
+            f"the format XTC reaches {XTC_REACH / 1e3:.0f} km: take the dump, elements.lammpsdump"
+        )
+    universe = make_universe(frames, corner)
+    size = [domain.x_max - domain.x_min, domain.y_max - domain.y_min, 1.0, 90.0, 90.0, 90.0]
+    with write_atomically(path) as temporary:
+        # Three digits of a nanometre, here of ten metres; single precision has fewer far off.
+        with MDAnalysis.Writer(
+            str(temporary), n_atoms=len(universe.atoms), format="XTC", precision=3
+        ) as writer:
+            for step in universe.trajectory:
+                step.dimensions = size
+                writer.write(universe.atoms)
 
 
 def write_dump(frames: xr.Dataset, domain: Domain, path: Path) -> None:

@@ -128,12 +128,29 @@ def shore_cells(path: str, grid: Grid, crs: str) -> Flags:
 
     Returns
     -------
-    Flags
-        bool.
+    ndarray of bool
+        (ny, nx).
 
     Raises
     ------
     FloeError
-        For a file that cannot be read, or holds no polygons.
+        For a file that cannot be read, or holds no polygons; where none of them covers the centre
+        of a cell.
     """
-    return polygon_cells([polygon for polygon, _ in read_polygons(path, crs)], grid)
+    polygons = [polygon for polygon, _ in read_polygons(path, crs)]
+    inside = polygon_cells(polygons, grid)
+    if not inside.any():
+        x, y = grid.x_edges, grid.y_edges
+        domain = shapely.box(x[0], y[0], x[-1], y[-1])
+        if any(shapely.intersects(domain, polygon) for polygon in polygons):
+            why = (
+                f"is narrower than the mask's cells of {grid.spacing:g} m and adds no land: take a "
+                "finer mask (domain.spacing, mask.refine) or leave the key out"
+            )
+        else:
+            why = (
+                "lies wholly outside of the scene (domain): check its coordinates, or leave the "
+                "key out"
+            )
+        raise FloeError(f"mask.shoreline: '{path}' {why}")
+    return inside

@@ -44,6 +44,8 @@ class Elements:
         Number of each mobile element's floe, (n,).
     concentration : ndarray, optional
         Ice concentration of the mask about each mobile element, (n,), where its own is another.
+    size_ratio : ndarray, optional
+        Size of each mobile element's cell over that which the size function asks for, (n,).
     figures : dict
         What the generator itself knows of the quality, by the names of `quality.LABELS`.
     """
@@ -60,6 +62,7 @@ class Elements:
     correction: float
     floe: Index | None = None
     concentration: Array | None = None
+    size_ratio: Array | None = None
     figures: dict[str, float] = field(default_factory=dict)
 
     @property
@@ -172,6 +175,8 @@ def packing_dataset(mask: xr.Dataset, elements: Elements) -> xr.Dataset:
         data["floe"] = np.concatenate([elements.floe, coast])
     if elements.concentration is not None:
         data["concentration"] = padded(elements.concentration)
+    if elements.size_ratio is not None:
+        data["size_ratio"] = padded(elements.size_ratio)
     columns = {
         "ice_fraction": padded(elements.ice_fraction)[:, None],
         "ice_volume": padded(elements.ice_volume)[:, None],

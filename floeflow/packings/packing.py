@@ -254,7 +254,7 @@ def tessellated(
     row, column = grid.cell_of(places[:, 0], places[:, 1])
     scale = mask["cell_area"].values[row, column] / grid.spacing**2
     ratio = np.sqrt(made.area / scale / np.pi) / own
-    return replace(made, figures={"size_error": float(ratio.std())})
+    return replace(made, size_ratio=ratio, figures={"size_error": float(ratio.std())})
 
 
 def make_packing(

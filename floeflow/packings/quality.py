@@ -66,12 +66,9 @@ def quality(mask: xr.Dataset, packing: xr.Dataset) -> dict[str, float]:
     places = np.stack([packing["x"].values, packing["y"].values], axis=1)
     radius, area = packing["radius"].values, packing["area"].values[mobile]
     own, size = radius[mobile], np.sqrt(area)
-    lo, hi = packing["edge_lo"].values - 1, packing["edge_hi"].values - 1
     period = period_of(packing.attrs)
-    dx, dy = (places[hi] - places[lo]).T
-    apart = np.column_stack(shortest((dx, dy), period))
+    apart, touching = _edges(packing)
     span = np.hypot(*apart.T)
-    touching = (span < (1.0 + TOUCH) * (radius[lo] + radius[hi])).sum()
     out = {
         "radius_least": float(own.min()),
         "radius_median": float(np.median(own)),
@@ -79,13 +76,44 @@ def quality(mask: xr.Dataset, packing: xr.Dataset) -> dict[str, float]:
         "size_median": float(np.median(size)),
         "size_spread": float(np.log(size).std()),
         "disc_share": float(np.pi * (own**2).sum() / _plane_area(mask)),
-        "coordination": 2.0 * float(touching) / len(own),
-        "neighbours": 2.0 * len(lo) / len(own),
+        "coordination": 2.0 * float(touching.sum()) / len(own),
+        "neighbours": 2.0 * len(span) / len(own),
         "anisotropy": _anisotropy(apart, span),
         "overlap": deepest_overlap(places, radius, int(mobile.sum()), period),
         "ashore": _on_land(mask, places[mobile], own) / _plane_area(mask),
     }
     return out | _ice(mask, packing.isel(element=np.flatnonzero(mobile)))
+
+
+def _edges(packing: xr.Dataset) -> tuple[Array, NDArray[np.bool_]]:
+    """Lines between the centres on both sides of each edge (m), (edge, 2); and which touch."""
+    places = np.stack([packing["x"].values, packing["y"].values], axis=1)
+    radius = packing["radius"].values
+    lo, hi = packing["edge_lo"].values - 1, packing["edge_hi"].values - 1
+    dx, dy = (places[hi] - places[lo]).T
+    apart = np.column_stack(shortest((dx, dy), period_of(packing.attrs)))
+    return apart, np.hypot(*apart.T) < (1.0 + TOUCH) * (radius[lo] + radius[hi])
+
+
+def neighbour_counts(packing: xr.Dataset) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """With how many others each mobile element shares a side of its cell, and how many touch it.
+
+    Parameters
+    ----------
+    packing : xarray.Dataset
+        Output of that stage.
+
+    Returns
+    -------
+    tuple of ndarray
+        (n,) each.
+    """
+    mobile = packing["type"].values == MOBILE
+    count = mobile.size
+    ends = np.stack([packing["edge_lo"].values, packing["edge_hi"].values]) - 1
+    _, touching = _edges(packing)
+    found = [np.bincount(each.ravel(), minlength=count) for each in (ends, ends[:, touching])]
+    return found[0][mobile], found[1][mobile]
 
 
 def _on_land(mask: xr.Dataset, places: Array, radius: Array) -> float:

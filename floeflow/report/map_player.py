@@ -128,6 +128,30 @@ FIELDS: dict[str, MapField] = {
         ("sisnthick",),
         "Snow thickness, mean over the ice in each cell.",
     ),
+    "pressure": MapField(
+        "Pressure",
+        "kN/m",
+        -1e-3,
+        Quantity("pressure", "", "rain", None, share=0.98),
+        ("sistresave",),
+        "Mean compression in the ice over its thickness; below 0 in tension.",
+    ),
+    "shear_stress": MapField(
+        "Shear stress",
+        "kN/m",
+        1e-3,
+        Quantity("shear_stress", "", "amp", share=0.98),
+        ("sistremax",),
+        "Largest shear stress in the ice over its thickness.",
+    ),
+    "age": MapField(
+        "Age",
+        "days",
+        1.0 / SECONDS_PER_DAY,
+        Quantity("age", "", "algae", share=0.995),
+        ("siage",),
+        "Time since the ice froze on open water, at most since the start of the run.",
+    ),
 }
 
 
@@ -244,6 +268,7 @@ def scale_ends(quantity: Quantity, values: Array) -> tuple[float, float]:
         In the unit of the values.
     """
     low, high = common_limits(quantity, values)
+    low = -round_up(-low) if quantity.low is None and low < 0.0 else low
     return low, round_up(high) if quantity.high is None else high
 
 

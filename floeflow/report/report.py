@@ -109,7 +109,7 @@ CHAPTERS = (
         "Ice",
         "Each element is drawn as its cell of the tessellation, carried and turned with it; coast "
         "elements are dark grey, land light grey. Maps of one quantity share their colour scale.",
-        ("elements_", "series_", "ice_"),
+        ("elements_", "series_", "ice_", "packing_"),
     ),
 )
 
@@ -171,6 +171,7 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
         *report_figures.element_pictures(easel, scene, frame, first, last, material.packing),
         *report_figures.series_pictures(easel, scene, material.diagnostics),
         *report_figures.analysis_pictures(easel, scene, material.analyses),
+        *report_figures.packing_pictures(easel, material.packing),
         *report_figures.budget_pictures(easel, budgets),
     ]
     facts = summary.facts(headline, scene)

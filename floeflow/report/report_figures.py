@@ -28,6 +28,7 @@ from floeflow.report.figures.budgets import budget_figure
 from floeflow.report.figures.cost import cost_figure
 from floeflow.report.figures.frame import Frame
 from floeflow.report.figures.maps import Shapes, element_map, element_shapes, element_values
+from floeflow.report.figures.packing import packing_figures
 from floeflow.report.figures.series import series_figures
 from floeflow.report.figures.style import (
     CONCENTRATION,
@@ -286,6 +287,12 @@ def analysis_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[
         One after the other.
     """
     for name, caption, figure in analysis_figures(data, scene.time.start):
+        yield easel.chart(name, caption, figure)
+
+
+def packing_pictures(easel: Easel, packing: xr.Dataset) -> Iterator[Picture]:
+    """How the elements of the start are distributed."""
+    for name, caption, figure in packing_figures(packing):
         yield easel.chart(name, caption, figure)
 
 

@@ -4,7 +4,9 @@
 A snapshot is what maps, tracks and totals need of a state: the elements with their ice by category,
 their outlines, and the length of these that bonds hold, without layers, bonds and contacts. The
 number of elements changes between boundaries, so rows of all boundaries follow each other (CF:
-contiguous ragged arrays), counted by ``element_count`` and ``corner_count``.
+contiguous ragged arrays), counted by ``element_count`` and ``corner_count``. For gridded tendencies
+there is what froze and melted where in the window before (``grown_count``;
+`floeflow.coupling.growth`).
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import xarray as xr
 
 from floeflow.state.files import CHECKSUM, read_dataset, write_dataset
 
-RAGGED = ("element", "corner")
+RAGGED = ("element", "corner", "grown")
 # Attributes of a state that differ between boundaries, and those that do not.
 MOMENT = ("window", "time", "ocean_area", "unclaimed_water")
 COMMON = ("schema_version", "scene", "effects", "start", "seed", "crs", "column_scheme")
@@ -31,7 +33,7 @@ def snapshot(state: xr.Dataset) -> xr.Dataset:
     kept = [
         str(name)
         for name, variable in state.data_vars.items()
-        if variable.dims[:1] in (("element",), ("corner",))
+        if variable.dims[:1] in tuple((dim,) for dim in RAGGED)
         and set(variable.dims) <= {*RAGGED, "category"}
     ]
     if "bond_id_lo" not in state:

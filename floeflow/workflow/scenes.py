@@ -55,6 +55,7 @@ NAME_VARIABLE = "FLOEFLOW_SCENE"
 # Ways to call Snakemake that only look.
 LOOKING = {"--lint", "-l", "--summary", "-S", "--detailed-summary", "-D", "--dag", "--rulegraph"}
 LOOKING |= {"--filegraph", "--d3dag", "--list-rules", "--list", "--list-target-rules", "--lt"}
+LOOKING |= {"--report"}
 
 RESULTS = Path("results")
 # Separates the base scene from the variant in a scene's name.

@@ -157,6 +157,22 @@ def test_the_budgets_of_every_effect_close(full: Done):
     assert "Salt in the ice" in (full.results / "report.html").read_text()
 
 
+def test_tendencies_on_the_grid_are_all_growth_of_every_effect(bare: Done, full: Done):
+    """What froze in open water and what dissolved with its element among it."""
+    assert not (bare.results / "tendencies.nc").exists()
+    scalars = read_dataset(full.results / "series/0001.nc")
+    with xr.open_dataset(full.results / "tendencies.nc", decode_times=False) as made:
+        seconds = float(np.diff(made["time_bnds"])[0, 0])
+        for name, terms in (
+            ("sidmassth", [n for n in scalars if str(n).startswith("growth_")]),
+            ("sidconcth", ["ice_area_grown", "ice_area_dissolved"]),
+        ):
+            wanted = sum(float(scalars[term].values[0]) for term in terms if term in scalars)
+            wanted *= 1.0 if name == "sidconcth" else 917.0
+            found = seconds * float((made[name] * made["sea_area"]).sum())
+            assert found == pytest.approx(wanted, rel=1e-9), name
+
+
 def test_a_scene_without_ice_runs_to_its_report(place: Place):
     scene = place.scene(
         # The Norwegian Sea west of Lofoten: open water in any winter.

@@ -57,7 +57,8 @@ def test_the_last_snapshot_is_the_state(smoke: Done):
     state, last = read_state(smoke.results / "state/0003.nc"), boundaries(smoke.results)[-1]
     assert last.attrs["checksum"] == state.attrs["checksum"]
     np.testing.assert_array_equal(last[BONDED].values, bonded_length(state))
-    for name in set(last.data_vars) - {BONDED}:
+    grown = {name for name, variable in last.data_vars.items() if variable.dims == ("grown",)}
+    for name in set(last.data_vars) - {BONDED} - grown:
         assert last[name].values.tobytes() == state[name].values.tobytes(), name
 
 
@@ -102,6 +103,35 @@ def test_the_grid_is_cf_and_bounded(smoke: Done):
             assert name in grid
 
 
+def test_tendencies_are_what_the_columns_and_the_states_say(smoke: Done):
+    """Over the grid, growth is that of the series, and with motion the change of the ice."""
+    scalars = read_dataset(smoke.results / "series/0003.nc").drop_dims("sample")
+    with (
+        xr.open_dataset(smoke.results / "tendencies.nc", decode_times=False) as made,
+        xr.open_dataset(smoke.results / "grid.nc", decode_times=False) as grid,
+    ):
+        assert made["window"].values.tolist() == [1, 2, 3]
+        np.testing.assert_array_equal(made["time_bnds"][:, 1], grid["time"][1:])
+        area = made["sea_area"]
+        for name, terms in (
+            ("sidmassth", [n for n in scalars if str(n).startswith("growth_")]),
+            ("sidmassgrowthbot", ["growth_base"]),
+            ("sidmassmelttop", ["growth_melt_top"]),
+            ("sidconcth", ["ice_area_grown"]),
+        ):
+            density = 1.0 if name == "sidconcth" else 917.0
+            wanted = density * sum(scalars[term].values for term in terms)
+            found = 21600.0 * (made[name] * area).sum(("y", "x")).values
+            size = 21600.0 * float(abs(made["sidmassth"] * area).sum())
+            np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-12 * size, err_msg=name)
+        assert float(abs(made["sidmassgrowthbot"]).max()) > 0.0
+        total = 21600.0 * (made["sidmassth"] + made["sidmassdyn"])
+        np.testing.assert_allclose(total, grid["simass"].diff("time"), atol=1e-9)
+        # Motion makes and takes no ice: what it moves is back on the grid elsewhere.
+        moved = (made["sidmassdyn"] * area).sum(("y", "x"))
+        assert float(abs(moved).max()) < 1e-9 * float(abs(made["sidmassdyn"] * area).sum())
+
+
 def test_costs_are_records(smoke: Done):
     records = json.loads((smoke.results / "cost/0003.json").read_text())
     for window in (1, 2, 3):
@@ -126,7 +156,8 @@ def test_a_changed_plot_key_redoes_the_report_only(smoke: Done):
 def test_a_changed_law_redoes_the_windows_and_what_follows(smoke: Done):
     scene = smoke.place.scene(file="law.yaml", dynamics={"friction_coefficient": 0.1})
     assert smoke.place.planned(scene) == {
-        "estimate": 1, "windows": 1, "fields": 1, "grid": 1, "diagnostics": 1, "report": 1,
+        "estimate": 1, "windows": 1, "fields": 1, "grid": 1, "tendencies": 1,
+        "diagnostics": 1, "report": 1,
     }  # fmt: skip
 
 
@@ -136,7 +167,8 @@ def test_a_longer_run_takes_the_windows_of_a_chunk_that_was_not_full(
     place = copy()
     scene = place.scene(time={"windows": 4})
     assert place.planned(scene) == {
-        "estimate": 1, "windows": 1, "fields": 1, "grid": 1, "diagnostics": 1, "report": 1,
+        "estimate": 1, "windows": 1, "fields": 1, "grid": 1, "tendencies": 1,
+        "diagnostics": 1, "report": 1,
     }  # fmt: skip
     done = place.run(scene, "results/smoke/state/0004.nc")
     assert done.returncode == 0, done.stdout

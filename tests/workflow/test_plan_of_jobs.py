@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 import subprocess
+from collections.abc import Callable
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -74,6 +75,37 @@ def test_three_thousand_jobs_are_planned_in_short_chains(place: Place):
     assert depth(waits) <= 150
     # Looking writes nothing.
     assert not (place.folder / "results").exists()
+
+
+def test_lint_finds_what_is_meant_alone(place: Place):
+    """One environment, of setup/requirements.lock or Apptainer.def, serves all rules."""
+    done = place.run(place.scene(), "--lint")
+    titles = {title.strip(":") for title in re.findall(r"^ {4}\* (.+)$", done.stdout, re.M)}
+    assert titles == {"Specify a conda environment or container for each rule."}, done.stdout
+    assert not (place.folder / "results").exists()
+
+
+def test_snakemakes_own_report_has_categories_labels_and_captions(
+    smoke: Done, copy: Callable[[], Place]
+):
+    """The report and its figures, each with the scene's name, in one file that needs no network."""
+    place = copy()
+    before = {path: path.stat().st_mtime_ns for path in place.results().rglob("*.nc")}
+    done = place.run(place.scene(), "--report=all.html")
+    assert done.returncode == 0, done.stdout[-3000:]
+    page = (place.folder / "all.html").read_text(encoding="utf-8")
+    results, categories, said = (
+        json.loads(re.search(rf"var {name} = ([{{\"].*);\n", page)[1])
+        for name in ("results", "categories", "workflow_desc")
+    )
+    assert set(categories) == {"Report", "Figures"} and "Sea ice as discrete elements" in said
+    report = results["results/smoke/report.html"]
+    assert report["labels"] == {"scene": "smoke"} and "time slider" in report["caption"]
+    figures = [each for path, each in results.items() if "/figures/" in path]
+    assert len(figures) > 10
+    assert {each["labels"]["scene"] for each in figures} == {"smoke"}
+    assert "elements_thickness_end" in {each["labels"]["figure"] for each in figures}
+    assert {path: path.stat().st_mtime_ns for path in before} == before
 
 
 def test_auto_is_decided_once_and_written_for_the_jobs(place: Place):

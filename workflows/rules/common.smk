@@ -135,13 +135,12 @@ def last_state(wildcards):
 def default_targets():
     """The report of the scene that the command line names, and what its effects bring beside it."""
     effects = SCENES.scene(SCENES.default).effects
-    names = (
-        ["elements.lammpsdump", "drift.nc"] if "trajectory_output" in effects else []
-    )
-    return [
-        f"{RESULTS}/report.html",
-        *(f"{RESULTS}/trajectory/{name}" for name in names),
-    ]
+    names = ["report.html"]
+    if "trajectory_output" in effects:
+        names += ["trajectory/elements.lammpsdump", "trajectory/drift.nc"]
+    if {"grid_output", "thermodynamics"} <= set(effects):
+        names += ["tendencies.nc"]
+    return [f"{RESULTS}/{name}" for name in names]
 
 
 def stage_benchmarks(wildcards):

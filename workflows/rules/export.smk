@@ -23,6 +23,7 @@ rule trajectory_files:
         elements=of_chunks("results/{scene}/elements/{chunk}.nc"),
     output:
         trajectory="results/{scene}/trajectory/elements.lammpsdump",
+        places="results/{scene}/trajectory/elements.xtc",
         drift="results/{scene}/trajectory/drift.nc",
     log:
         "results/{scene}/log/trajectory.log",
@@ -44,6 +45,7 @@ rule mesh_files:
     input:
         first="results/{scene}/state/0000.nc",
         elements=of_chunks("results/{scene}/elements/{chunk}.nc"),
+        states=of_chunks("results/{scene}/state/{chunk}.nc"),
         packing=made("packing", "preprocess/packing.nc"),
     output:
         meshes=directory("results/{scene}/mesh"),
@@ -58,7 +60,7 @@ rule mesh_files:
         scene_keys=keys_of("mesh"),
         library=library_digest("mesh"),
     message:
-        "Mesh: the elements' cells at all window boundaries"
+        "Mesh: the elements' cells at all window boundaries, and their bonds"
     script:
         "../../postprocess/mesh_files.py"
 
@@ -128,7 +130,13 @@ rule movie_files:
         grid="results/{scene}/grid.nc",
         mask=made("mask", "preprocess/mask.nc"),
     output:
-        movies=directory("results/{scene}/movies"),
+        movies=report(
+            directory("results/{scene}/movies"),
+            patterns=["{field}.mp4"],
+            caption="../captions/movie.rst",
+            category="Movies",
+            labels={"scene": "{scene}", "field": "{field}"},
+        ),
     log:
         "results/{scene}/log/movies.log",
     benchmark:

@@ -49,6 +49,30 @@ rule grid:
         "../../postprocess/grid.py"
 
 
+rule tendencies:
+    input:
+        scene=ancient(scene_file),
+        grid="results/{scene}/grid.nc",
+        elements=of_chunks("results/{scene}/elements/{chunk}.nc"),
+        mask=made("mask", "preprocess/mask.nc"),
+    output:
+        tendencies="results/{scene}/tendencies.nc",
+    log:
+        "results/{scene}/log/tendencies.log",
+    benchmark:
+        "results/{scene}/benchmarks/tendencies.tsv"
+    resources:
+        mem_mb=memory_asked("fields"),
+        runtime=minutes_asked("fields"),
+    params:
+        scene_keys=keys_of("grid"),
+        library=library_digest("fields"),
+    message:
+        "Tendencies: growth, melt and motion of the ice on the grid"
+    script:
+        "../../postprocess/tendencies.py"
+
+
 rule diagnostics:
     input:
         scene=ancient(scene_file),
@@ -93,8 +117,19 @@ rule report:
         estimates="results/{scene}/effects.json",
         benchmarks=stage_benchmarks,
     output:
-        report="results/{scene}/report.html",
-        figures=directory("results/{scene}/figures"),
+        report=report(
+            "results/{scene}/report.html",
+            caption="../captions/report.rst",
+            category="Report",
+            labels={"scene": "{scene}"},
+        ),
+        figures=report(
+            directory("results/{scene}/figures"),
+            patterns=["{figure}.png", "{figure}.svg"],
+            caption="../captions/figure.rst",
+            category="Figures",
+            labels={"scene": "{scene}", "figure": "{figure}"},
+        ),
     log:
         "results/{scene}/log/report.log",
     benchmark:

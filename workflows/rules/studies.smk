@@ -49,7 +49,12 @@ rule ablation_page:
         scene=ancient(scene_file),
         records=study_records("ablation"),
     output:
-        page="results/{scene}/ablation.html",
+        page=report(
+            "results/{scene}/ablation.html",
+            caption="../captions/study.rst",
+            category="Studies",
+            labels={"scene": "{scene}", "study": "ablation"},
+        ),
         table="results/{scene}/ablation/ablation.table.json",
         digest="results/{scene}/ablation/digest.json",
         figures=directory("results/{scene}/ablation/figures"),
@@ -81,7 +86,12 @@ rule accuracy_page:
         records=study_records("accuracy"),
         mask=made("mask", "preprocess/mask.nc"),
     output:
-        page="results/{scene}/accuracy.html",
+        page=report(
+            "results/{scene}/accuracy.html",
+            caption="../captions/study.rst",
+            category="Studies",
+            labels={"scene": "{scene}", "study": "accuracy"},
+        ),
         data="results/{scene}/accuracy/accuracy.nc",
         table="results/{scene}/accuracy/accuracy.table.json",
         digest="results/{scene}/accuracy/digest.json",
@@ -113,7 +123,12 @@ rule ensemble_page:
         scene=ancient(scene_file),
         records=study_records("ensemble"),
     output:
-        page="results/{scene}/ensemble.html",
+        page=report(
+            "results/{scene}/ensemble.html",
+            caption="../captions/study.rst",
+            category="Studies",
+            labels={"scene": "{scene}", "study": "ensemble"},
+        ),
         table="results/{scene}/ensemble/ensemble.table.json",
         digest="results/{scene}/ensemble/digest.json",
         figures=directory("results/{scene}/ensemble/figures"),

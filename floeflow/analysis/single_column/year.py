@@ -114,7 +114,7 @@ def run_column(
         data[name].attrs["units"] = "J m-2" if name.startswith("energy") else "kg m-2"
         if name.startswith(("growth", "snow")):
             data[name].attrs["units"] = "m"
-        elif name.startswith("temperature_"):
+        elif name.startswith(("temperature_", "ice_area_")):
             data[name].attrs["units"] = "1"
     return data, worst
 

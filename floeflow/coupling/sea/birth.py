@@ -19,7 +19,15 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from floeflow.coupling.sea.columns import Columns
-from floeflow.coupling.sea.ice import Terms, add_terms, dissolve, with_elements
+from floeflow.coupling.sea.ice import (
+    Returned,
+    Terms,
+    add_terms,
+    dissolve,
+    join_returned,
+    returned_ice,
+    with_elements,
+)
 from floeflow.coupling.sea.places import SeaPlaces
 from floeflow.coupling.sea.shares import Shares, build_shares
 from floeflow.coupling.sea.water import Water
@@ -89,7 +97,7 @@ def icy(found: OpenIce) -> OpenIce:
     return found.some(found.columns["ice_volume"].sum(axis=1) > 0.0)
 
 
-def melt_back(water: Water, found: OpenIce) -> tuple[Water, Terms]:
+def melt_back(water: Water, found: OpenIce, places: SeaPlaces) -> tuple[Water, Terms, Returned]:
     """Return ice that formed in open water to the sea.
 
     Parameters
@@ -98,18 +106,22 @@ def melt_back(water: Water, found: OpenIce) -> tuple[Water, Terms]:
         The sea, (cells,).
     found : OpenIce
         Columns of open water, and the ice that formed in them.
+    places : SeaPlaces
+        Grid of the sea.
 
     Returns
     -------
-    tuple of Water and Terms
-        The sea, and the terms of its budgets (J, kg, m2, m3), summed.
+    tuple of Water, Terms and Returned
+        The sea, the terms of its budgets (J, kg, m2, m3), summed, and what went back where.
     """
-    return dissolve(water, found.columns, found.area, found.matrix(water.area.size))
+    water, terms = dissolve(water, found.columns, found.area, found.matrix(water.area.size))
+    x, y = (axis[found.cells] for axis in places.grid.places())
+    return water, terms, returned_ice((x, y), found.columns, found.area, True)
 
 
 def settle_ice(
     state: xr.Dataset, water: Water, found: OpenIce, places: SeaPlaces
-) -> tuple[xr.Dataset, Water, Terms]:
+) -> tuple[xr.Dataset, Water, Terms, Returned]:
     """Make elements of the ice in open water, give it to others, or melt it back.
 
     Parameters
@@ -125,13 +137,13 @@ def settle_ice(
 
     Returns
     -------
-    tuple of xarray.Dataset, Water and dict
+    tuple of xarray.Dataset, Water, dict and Returned
         State and sea, and the terms of the budgets, with ``sea_born`` and ``sea_gone``: how many
-        elements there are more and fewer.
+        elements there are more and fewer; and what melted back, by places.
     """
     found = icy(found)
     enough = found.columns["ice_fraction"].sum(axis=1) >= LEAST_COVER
-    water, terms = melt_back(water, found.some(~enough))
+    water, terms, thin = melt_back(water, found.some(~enough), places)
     found = found.some(enough)
     mobile = np.flatnonzero(state["type"].values == MOBILE)
     made, left = _new_elements(state, found, places)
@@ -140,10 +152,12 @@ def settle_ice(
         # Their ids are the highest, so that the rows of the others stay.
         state = with_elements(state, np.arange(state.sizes["element"]), made)
     state, left, joined = _join(state, left, mobile, places)
-    water, more = melt_back(water, left)
-    state, water, gone = remove_melted(state, water, places)
+    water, more, rest = melt_back(water, left, places)
+    state, water, gone, old = remove_melted(state, water, places)
+    back = join_returned([thin, rest])
     new = {"sea_born": float(count), "sea_joined": joined}
-    return state, water, add_terms(terms, more, gone, new)
+    new["sea_melted_back"] = float(back.volume.sum())
+    return state, water, add_terms(terms, more, gone, new), join_returned([back, old])
 
 
 def _beside(
@@ -317,7 +331,7 @@ def place_discs(
 
 def remove_melted(
     state: xr.Dataset, water: Water, places: SeaPlaces
-) -> tuple[xr.Dataset, Water, Terms]:
+) -> tuple[xr.Dataset, Water, Terms, Returned]:
     """Return elements whose ice has nearly gone to the sea, with their water.
 
     Parameters
@@ -331,19 +345,20 @@ def remove_melted(
 
     Returns
     -------
-    tuple of xarray.Dataset, Water and Terms
-        The elements that are left, the sea, and terms of its budgets; ``sea_gone`` counts the
-        elements.
+    tuple of xarray.Dataset, Water, Terms and Returned
+        The elements that are left, the sea, terms of its budgets (``sea_gone`` counts the
+        elements), and what went back where.
     """
     fraction, volume = (state[f"ice_{name}"].values.sum(axis=1) for name in ("fraction", "volume"))
     mobile = state["type"].values == MOBILE
     gone = np.flatnonzero(mobile & ((fraction < GONE_FRACTION) | (volume < GONE_VOLUME)))
-    if not len(gone):
-        return state, water, {"sea_gone": 0.0}
     x, y, area = (state[name].values[gone] for name in ("x", "y", "area"))
-    shares = build_shares(x, y, area, places.grid, places.area)
     columns = element_values(state, gone)
+    old = returned_ice((x, y), columns, area, False)
+    if not len(gone):
+        return state, water, {"sea_gone": 0.0}, old
+    shares = build_shares(x, y, area, places.grid, places.area)
     water, terms = dissolve(water, columns, area, shares.matrix)
     keep = np.setdiff1d(np.arange(state.sizes["element"]), gone)
     none = {name: np.empty(0) for name in ("x", "y", "area")}
-    return with_elements(state, keep, none), water, terms | {"sea_gone": float(len(gone))}
+    return with_elements(state, keep, none), water, terms | {"sea_gone": float(len(gone))}, old

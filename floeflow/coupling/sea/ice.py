@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import xarray as xr
@@ -63,6 +63,53 @@ def held_by(columns: Columns, settings: Settings) -> dict[str, Array]:
     return {name: np.broadcast_to(value, count) for name, value in held.items()}
 
 
+@dataclass(frozen=True)
+class Returned:
+    """Ice that melted into the sea as a whole, by places.
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Places (m), (n,).
+    volume, cover : ndarray
+        Of the ice (m3, m2), (n,).
+    fresh : ndarray
+        Whether it had frozen in open water in the same window, (n,).
+    """
+
+    x: Array
+    y: Array
+    volume: Array
+    cover: Array
+    fresh: NDArray[np.bool_]
+
+
+def returned_ice(
+    places: tuple[Array, Array], columns: Columns, area: Array, fresh: bool
+) -> Returned:
+    """What `dissolve` melts, by places.
+
+    Parameters
+    ----------
+    places : tuple of ndarray
+        x and y (m), (n,).
+    columns : dict of ndarray
+        Columns of the ice.
+    area : ndarray
+        For which they stand (m2), (n,).
+    fresh : bool
+        It had frozen in open water in the same window.
+    """
+    volume, cover = (area * columns[f"ice_{each}"].sum(axis=1) for each in ("volume", "fraction"))
+    return Returned(*places, volume, cover, np.full(len(area), fresh))
+
+
+def join_returned(parts: Sequence[Returned]) -> Returned:
+    """All of them behind each other."""
+    names = [field.name for field in fields(Returned)]
+    return Returned(*(np.concatenate([getattr(each, name) for each in parts]) for name in names))
+
+
 def dissolve(water: Water, columns: Columns, area: Array, share: object) -> tuple[Water, Terms]:
     """Let ice and snow of columns melt into the sea, which pays for it.
 
@@ -94,6 +141,7 @@ def dissolve(water: Water, columns: Columns, area: Array, share: object) -> tupl
     total = {name: float(value.sum()) for name, value in amount.items()}
     terms = {
         "growth_dissolved": -total["ice_volume"],
+        "ice_area_dissolved": -total["ice_area"],
         "water_dissolved": -total["water"],
         "water_stored": -total["water"],
         "sea_heat_dissolved": total["energy"],

@@ -73,10 +73,10 @@ class Quantity:
     colours : str
         Name of a cmocean map.
     low, high : float or None
-        Ends of the scale; None: from the data.
+        Ends of the scale; None: from the data, the low one at most 0.
     share : float
-        Share of the data below the upper end where that comes from the data: a few fast elements
-        must not bleach all others.
+        Share of the data below the upper end, and above the lower one, where that comes from the
+        data: a few fast elements must not bleach all others.
     """
 
     name: str
@@ -188,7 +188,9 @@ def common_limits(quantity: Quantity, *fields: np.ndarray) -> tuple[float, float
     """
     values = np.concatenate([np.ravel(field) for field in fields]) if fields else np.zeros(0)
     values = values[np.isfinite(values)]
-    low = quantity.low if quantity.low is not None else float(values.min(initial=0.0))
+    low = quantity.low
+    if low is None:
+        low = min(0.0, float(np.quantile(values, 1.0 - quantity.share))) if values.size else 0.0
     high = quantity.high
     if high is None:
         high = float(np.quantile(values, quantity.share)) if values.size else low

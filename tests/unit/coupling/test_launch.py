@@ -49,7 +49,7 @@ def test_progress_outlives_its_terminal(monkeypatch: pytest.MonkeyPatch):
             raise BrokenPipeError
 
     monkeypatch.setattr("sys.stderr", Gone())
-    with progress.show_progress(["0002"]) as show:
+    with progress.show_progress(4) as show:
         show(EVENT)
 
 

@@ -17,6 +17,7 @@ from floeflow.core.errors import FloeError
 from floeflow.coupling import columns as coupling_columns
 from floeflow.coupling.columns import advance_columns, totals
 from floeflow.coupling.gates import far_share, gate_fluxes
+from floeflow.coupling.growth import growth_places, without
 from floeflow.coupling.initial import make_state
 from floeflow.coupling.rims import SIDES, export_ice, inflow_ice
 from floeflow.coupling.sea.birth import OpenIce, icy, place_discs
@@ -112,7 +113,7 @@ def windows(scene, state, places, forcing, count: int):
             MPI.COMM_SELF, scene, state, forcing, (0.0, 86400.0), state["area"].values, places
         )
         terms = add_terms(totals(each), terms)
-        state, more = end_at_sea(scene, state, found, places)
+        state, more, _ = end_at_sea(scene, state, found, places)
         for part in (terms, more):
             for name, value in part.items():
                 total[name] = total.get(name, 0.0) + value
@@ -274,6 +275,32 @@ def test_heat_that_is_lacking_is_no_temperature():
     np.testing.assert_allclose(again.heat, cold.heat, rtol=0, atol=1e-3)
 
 
+@pytest.mark.parametrize("air", [243.0, 271.3])
+def test_growth_by_places_is_that_of_the_sums(air: float):
+    """New ice and what melts back of it, and an element that dissolves: nothing is lost."""
+    scene, state, places = pool(warm=0.0)
+    state["ice_fraction"][:2] = 0.004
+    state["ice_volume"][:2] = 0.001
+    state["snow_volume"][:2] = 0.0
+    forcing = weather(scene, air)
+    state, each, terms, found = advance_columns(
+        MPI.COMM_SELF, scene, state, forcing, (0.0, 86400.0), state["area"].values, places
+    )
+    assert found is not None and len(found.cells)
+    made = growth_places(state, (each,), (found,), places)
+    _, more, back = end_at_sea(scene, state, found, places)
+    assert back is not None and more["sea_gone"] + more["sea_born"] + more["sea_melted_back"] > 0
+    left, total = without(made, back), add_terms(totals(each), terms, more)
+    whole = sum(values.sum() for name, values in left.items() if name.startswith("growth_"))
+    wanted = sum(value for name, value in total.items() if name.startswith("growth_"))
+    assert whole == pytest.approx(wanted, rel=1e-12)
+    fresh = total["growth_new_ice"] - total["sea_melted_back"]
+    assert left["growth_new_ice"].sum() == pytest.approx(fresh, rel=1e-12)
+    cover = total["ice_area_grown"] + total["ice_area_dissolved"]
+    assert left["ice_area_grown"].sum() == pytest.approx(cover, rel=1e-12)
+    assert len(left["grown_x"]) == len(each["growth_base"]) + len(found.cells)
+
+
 def test_melted_elements_give_their_water_back():
     scene, state, places = pool()
     thin = state.copy(deep=True)
@@ -281,7 +308,7 @@ def test_melted_elements_give_their_water_back():
     thin["ice_volume"][:3] = 0.001
     thin["snow_volume"][:3] = 0.0
     none = OpenIce(np.zeros(0, int), np.zeros(0), _no_columns(thin), _shares(thin, places))
-    after, terms = end_at_sea(scene, thin, none, places)
+    after, terms, _ = end_at_sea(scene, thin, none, places)
     assert terms["sea_gone"] == 3 and after.sizes["element"] == thin.sizes["element"] - 3
     lost = float((thin["area"] * thin["ice_volume"].sum("category"))[:3].sum())
     assert terms["growth_dissolved"] == pytest.approx(-lost, rel=1e-12)
@@ -418,6 +445,6 @@ def test_frazil_stays_in_the_sea_until_there_is_enough():
     )
     cover = icy(found).columns["ice_fraction"].sum(axis=1)
     assert len(cover) and cover.max() < 0.15
-    after, terms = end_at_sea(scene, state, found, places)
+    after, terms, _ = end_at_sea(scene, state, found, places)
     assert terms["sea_born"] == 0 and terms["growth_dissolved"] < 0
     assert after["pending_freeze"].values.max() > 0.5 * lack

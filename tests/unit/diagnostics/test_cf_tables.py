@@ -42,6 +42,9 @@ SIMON = {
     "siu": ("sea_ice_x_velocity", "m s-1", ICE),
     "siv": ("sea_ice_y_velocity", "m s-1", ICE),
     "sispeed": ("sea_ice_speed", "m s-1", ICE),
+    # Sums over the cell: the table has no mean over an area.
+    "sidmasstranx": ("sea_ice_x_transport", "kg s-1", ""),
+    "sidmasstrany": ("sea_ice_y_transport", "kg s-1", ""),
     "sidivvel": ("divergence_of_sea_ice_velocity", "s-1", ICE),
     "sishevel": (SHEAR, "s-1", ICE),
     "sistrxdtop": ("surface_downward_x_stress", "N m-2", ICE),
@@ -119,7 +122,7 @@ def test_names_units_and_methods_are_those_of_the_table(file: Path):
         for name, (standard_name, unit, mean) in SIMON.items():
             found = data[name]
             assert (found.standard_name, found.units) == (standard_name, unit), name
-            assert found.cell_methods == f"{mean} time: point", name
+            assert found.cell_methods == f"{mean} time: point".strip(), name
         for name in OWN & set(data.variables):
             assert not hasattr(data[name], "standard_name")
 
@@ -178,6 +181,21 @@ def test_ridges_ponds_and_temperature_are_means_over_the_ice(file: Path):
         np.testing.assert_allclose(data["simass"], 917.0 * data["sivol"])
 
 
+def test_transport_is_the_mass_that_passes_a_section(file: Path):
+    """Of a cell: mass per area of its sea, times the sea, times speed over the width."""
+    with xr.open_dataset(file) as data:
+        snow = 330.0 * data["siconc"] / 100.0 * data["sisnthick"]
+        mass = ((data["simass"] + snow) * data["sea_area"]).values
+        width = np.sqrt(data["cell_area"].values)
+        ice = data["sithick"].notnull().values
+        for axis, name in (("x", "siu"), ("y", "siv")):
+            found = data[f"sidmasstran{axis}"].values
+            expected = (mass * data[name].values / width)[ice]
+            np.testing.assert_allclose(found[ice], expected, rtol=1e-9)
+            sea = np.broadcast_to(data["sea_area"].values > 0.0, found.shape)
+            assert (found[sea & ~ice] == 0.0).all() and np.isnan(found[~sea]).all()
+
+
 def test_invariants_of_uniaxial_compression_and_shear(file: Path, tmp_path: Path):
     """Half of an only stress is its mean normal and its largest shear stress."""
     with xr.open_dataset(file) as data:
@@ -209,7 +227,7 @@ def test_fields_of_absent_effects_are_absent(tmp_path: Path):
     there = set(DESCRIPTIONS) & set(map(str, bare.data_vars))
     assert there == {
         "siconc", "sithick", "sivol", "simass", "lead_fraction",
-        "siu", "siv", "sispeed", "sidivvel", "sishevel",
+        "siu", "siv", "sispeed", "sidivvel", "sishevel", "sidmasstranx", "sidmasstrany",
     }  # fmt: skip
 
 

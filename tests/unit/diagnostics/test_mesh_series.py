@@ -13,7 +13,7 @@ import shapely
 from floeflow.core.errors import FloeError
 from floeflow.core.meshes import write_polygons, write_series
 from floeflow.core.polygons import DISC_CORNERS, body_outlines, carried_outlines
-from floeflow.diagnostics.mesh_series import cell_fields, write_meshes
+from floeflow.diagnostics.mesh_series import bond_lines, cell_fields, write_bonds, write_meshes
 from floeflow.state import read_dataset, read_state
 from support.scripts import load_script
 from support.synthetic import make_run
@@ -211,13 +211,46 @@ def test_rule_writes_a_mesh_for_each_boundary_of_all_chunks(run, written, tmp_pa
                 packing=str(run.folder / "preprocess" / "packing.nc"),
                 first=str(run.state(0)),
                 elements=[str(path) for path in run.of_chunks("elements")],
+                states=[str(run.state(int(members[-1]))) for members in run.chunks.values()],
             ),
             output=SimpleNamespace(meshes=str(tmp_path)),
         )
     )
+    bonds = ElementTree.parse(tmp_path / "bonds.pvd").getroot()
+    files = [each.get("file") for each in bonds.iter("DataSet")]
+    assert files == ["bonds_0000.vtu", "bonds_0002.vtu", "bonds_0003.vtu"]
+    assert len(meshio.read(tmp_path / files[-1]).cells_dict["line"])
     names = ["elements.pvd", *(f"{window:04d}.vtu" for window in (0, *run.windows))]
     for name in names:
         assert (tmp_path / name).read_bytes() == (written / name).read_bytes()
+
+
+def test_bonds_are_lines_that_turn_with_their_elements(states, tmp_path):
+    """As the file has them: places, cracks and stretch of a bond whose element turned and moved."""
+    state = states[0].copy(deep=True)
+    lo, hi = (int(np.flatnonzero(state["id"] == state[f"bond_id_{e}"][0])[0]) for e in ("lo", "hi"))
+    before = bond_lines(state)[0]
+    state["theta"].values[lo] += np.pi / 2
+    state["bond_crack_a"].values[0], state["bond_crack_b"].values[0] = 0.25, 0.5
+    centre = np.array([state["x"].values[lo], state["y"].values[lo]])
+    span = float(state["bond_span"][0])
+    way = np.array([state[axis].values[hi] for axis in "xy"]) - centre
+    for k, axis in enumerate("xy"):
+        state[axis].values[hi] = centre[k] + 1.01 * span * way[k] / np.hypot(*way)
+    (path,) = write_bonds([state, state.drop_dims("bond")], tmp_path)
+    assert path.name == "bonds_0000.vtu"
+    found = meshio.read(path)
+    line = found.points[found.cells_dict["line"][0], :2]
+    turned = (before - centre) @ np.array([[0.0, 1.0], [-1.0, 0.0]]) + centre
+    np.testing.assert_allclose(line, turned, atol=1e-6)
+    fields = {name: data[0] for name, (data,) in found.cell_data.items()}
+    assert fields["crack"] == 0.75 and fields["stretch"] == pytest.approx(0.01)
+    assert fields["id_lo"] == state["bond_id_lo"][0] and fields["length"] > 0
+
+
+def test_without_bonds_there_is_no_file_of_them(states, tmp_path):
+    assert write_bonds([states[0].drop_dims("bond")], tmp_path) == []
+    assert not list(tmp_path.iterdir())
 
 
 def test_one_module_imports_meshio(project):

@@ -9,11 +9,14 @@ import sys
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
+from floeflow.coupling.growth import as_variables, growth_places
 from floeflow.diagnostics.analyses import Analyses
 from floeflow.diagnostics.cf_output import join_times, write_grid
 from floeflow.diagnostics.diagnostics import analyse, diagnose
 from floeflow.diagnostics.gridded import make_grid
+from floeflow.diagnostics.gridded_tendencies import make_tendencies
 from floeflow.diagnostics.mesh_series import write_meshes
 from floeflow.diagnostics.surface_forces import forcing_at
 from floeflow.diagnostics.trajectory import drift_statistics, make_frames, write_dump
@@ -23,6 +26,13 @@ from support.runner import PROJECT
 from support.synthetic import Run, make_run
 
 PAGE = PROJECT / "docs/how-to/read_results.md"
+
+
+def grown(state: xr.Dataset) -> xr.Dataset:
+    """A state with what its columns made in the window before."""
+    area = state["area"].values[state["type"].values == 1]
+    each = {"growth_base": 0.01 * area, "ice_area_grown": 0.0 * area}
+    return state.assign(as_variables(growth_places(state, (each,), (), None)))
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +53,8 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_dataset(drift_statistics(frames), folder / "trajectory/drift.nc")
     write_meshes(packing, states, folder / "mesh")
     write_zarr(folder / "grid.nc", folder / "grid.zarr")
+    tendencies = make_tendencies(scene, folder / "grid.nc", mask, [grown(s) for s in states[1:]])
+    write_grid(tendencies, folder / "tendencies.nc")
     return folder
 
 
@@ -60,10 +72,11 @@ def run_code(code: str, folder: Path) -> str:
 
 def test_the_page_runs_as_it_stands(results: Path):
     blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
-    assert len(blocks) == 8
+    assert len(blocks) == 9
     # GDAL stands alone, as the page says.
     *first, gdal = blocks
     said = run_code("\n".join(first), results)
+    assert "sidmassdyn" in said and "million tonnes a day" in said
     assert "of ice," in said and "% of the wind" in said and "bonds hold" in said
     assert "cells, area, ice_fraction" in said.replace("id, ", "")
     said = run_code(gdal, results)

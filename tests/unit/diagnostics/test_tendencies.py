@@ -21,7 +21,8 @@ def series(**terms: float) -> xr.Dataset:
 def test_mass_and_area_are_dealt_to_their_processes():
     scalars = series(
         growth_base=5.0, growth_melt_top=-2.0, growth_sublimation=-0.5, export_ice_volume_left=1.0,
-        ice_area_start=100.0, ice_area_dynamics=97.0, ice_area_end=90.0, export_ice_area_left=4.0,
+        growth_melt_base=-1.5, growth_new_ice=0.75, growth_dissolved=-0.5, sea_melted_back=0.25,
+        ice_area_start=100.0, ice_area_end=90.0, ice_area_grown=-2.0, ice_area_dissolved=-1.0,
     )  # fmt: skip
     found = tendencies(scalars, 50.0, 10.0)
     per = ICE_DENSITY / 500.0
@@ -29,11 +30,14 @@ def test_mass_and_area_are_dealt_to_their_processes():
         ("sidmassgrowthbot", 5.0),
         ("sidmassmelttop", -2.0),
         ("sidmassevapsubl", 0.5),
-        ("sidmassth", 2.5),
+        # New ice that melted back is none; what else dissolved melted from below.
+        ("sidmassgrowthwat", 0.5),
+        ("sidmassmeltbot", -1.75),
+        ("sidmassth", 1.25),
         ("sidmassdyn", -1.0),
     ):
         np.testing.assert_allclose(found[name], [value * per, 2.0 * value * per], err_msg=name)
-    # 7 m2 went after the motion, 4 of them over a side.
+    # 10 m2 went, 3 of them by melt.
     assert found["sidconcth"].values[0] == pytest.approx(-3.0 / 500.0)
     assert found["sidconcdyn"].values[0] == pytest.approx(-7.0 / 500.0)
     assert "sidmasslat" not in found

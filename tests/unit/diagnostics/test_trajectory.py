@@ -11,7 +11,13 @@ import pytest
 import xarray as xr
 
 from floeflow.core.errors import FloeError
-from floeflow.diagnostics.trajectory import drift_statistics, make_frames, make_universe, write_dump
+from floeflow.diagnostics.trajectory import (
+    drift_statistics,
+    make_frames,
+    make_universe,
+    write_dump,
+    write_xtc,
+)
 from floeflow.state import read_dataset, read_state, write_dataset, write_state
 from support.scripts import load_script
 from support.synthetic import make_run, masses
@@ -101,6 +107,13 @@ def test_universe_in_memory_is_what_the_dump_gives(run, frames, dump, states):
     np.testing.assert_array_equal(sorted(found.tolist()), sorted(pairs.tolist()))
 
 
+def test_places_beyond_the_reach_of_xtc_are_refused(run, frames, tmp_path):
+    far = frames.assign(x=frames["x"] + 3e7)
+    with pytest.raises(FloeError, match=r"elements\.xtc: an element is 3\d{4} km off the domain"):
+        write_xtc(far, run.scene.domain, tmp_path / "elements.xtc")
+    assert not list(tmp_path.iterdir())
+
+
 def test_statistics_are_those_of_the_mobile_elements(frames, states):
     data = drift_statistics(frames)
     mobile = states[0]["type"].values == 1
@@ -178,6 +191,7 @@ def test_a_dump_that_cannot_be_written_leaves_nothing(run, frames, tmp_path):
 def rule(run, folder):
     """What Snakemake hands to the rule."""
     output = {"trajectory": folder / "elements.lammpsdump", "drift": folder / "drift.nc"}
+    output["places"] = folder / "elements.xtc"
     return SimpleNamespace(
         input=SimpleNamespace(
             scene=str(run.scene_file),
@@ -193,6 +207,14 @@ def test_rule_reads_all_boundaries_of_all_chunks(run, frames, tmp_path):
     load_script("postprocess/trajectory_files").main(snakemake)
     universe = MDAnalysis.Universe(snakemake.output.trajectory, dt=1.0)
     assert [moment.time for moment in universe.trajectory] == frames["time"].values.tolist()
+    short = MDAnalysis.Universe(snakemake.output.trajectory, snakemake.output.places)
+    assert [moment.time for moment in short.trajectory] == frames["time"].values.tolist()
+    low = run.scene.domain.x_min, run.scene.domain.y_min
+    for k, moment in enumerate(short.trajectory):
+        for axis, (name, start) in enumerate(zip("xy", low, strict=True)):
+            np.testing.assert_allclose(
+                moment.positions[:, axis], frames[name].values[k] - start, rtol=3e-7, atol=0.01
+            )
     # Pairs of neighbours are those of the start, so no bond is needed after it.
     xr.testing.assert_allclose(read_dataset(snakemake.output.drift), drift_statistics(frames))
 

@@ -52,6 +52,18 @@ def test_a_region_keeps_ice_inside_alone(tmp_path: Path) -> None:
     assert (mask["land"].values == 0).all()
 
 
+@pytest.mark.parametrize(
+    ("place", "half", "sentence"),
+    [(6e6, 3e5, "lies wholly outside of the scene"), (1e3, 1e2, "is narrower than the mask's")],
+)
+def test_a_shoreline_without_land_in_the_scene_is_refused(
+    tmp_path: Path, place: float, half: float, sentence: str
+) -> None:
+    path = square(tmp_path / "far.json", place, place, half)
+    with pytest.raises(FloeError, match=rf"^mask\.shoreline: '.*far\.json' {sentence}"):
+        make_mask(scene_of(shoreline=path), None)
+
+
 def test_a_shoreline_is_land(tmp_path: Path) -> None:
     mask = make_mask(scene_of(shoreline=square(tmp_path / "a.json", 0.0, 0.0, 6e5)), None)
     x, y = np.meshgrid(mask["x"], mask["y"])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from floeflow.packings.packing import make_packing
-from floeflow.packings.quality import LABELS, quality
+from floeflow.packings.quality import LABELS, neighbour_counts, quality
 from floeflow.scene.blocks import Packing, Sizes
 from unit.packings.test_floes import image as floe_image
 from unit.packings.test_floes import mask_of_floes
@@ -27,6 +27,11 @@ def test_figures_of_a_tessellation_stand_in_the_file() -> None:
     assert 4.0 < figures["neighbours"] < 6.0
     assert figures["anisotropy"] < 0.1
     assert 0.0 < float(made["quality_size_error"]) < 0.3
+    ratio = made["size_ratio"].values[made["type"].values == 1]
+    assert ratio.std() == float(made["quality_size_error"]) and 0.8 < ratio.mean() < 1.2
+    sides, touching = neighbour_counts(made)
+    assert sides.mean() == pytest.approx(figures["neighbours"])
+    assert touching.mean() == pytest.approx(figures["coordination"])
     radius = made["radius"].values[made["type"].values == 1]
     assert figures["radius_least"] == radius.min() and figures["radius_largest"] == radius.max()
 

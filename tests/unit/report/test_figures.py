@@ -18,6 +18,7 @@ from floeflow.report.figures import bonds, maps, series, style
 from floeflow.report.figures.budgets import budget_figure, budget_unit
 from floeflow.report.figures.cost import cost_figure
 from floeflow.report.figures.frame import Frame, prepare_axes
+from floeflow.report.figures.packing import packing_figures
 from floeflow.scene.blocks import Domain
 from floeflow.state import read_state
 from support.synthetic import Run, first_state, make_mask, make_packing
@@ -67,6 +68,22 @@ def test_colour_maps_survive_black_and_white(quantity: style.Quantity):
     steps = np.diff(lightness)
     assert np.all(steps > 0) or np.all(steps < 0)
     assert np.ptp(lightness) > 0.45
+
+
+def test_the_packing_is_drawn_element_by_element():
+    """Every panel counts each element once; without a size function there is no fourth panel."""
+    packing = make_packing()
+    count = int((packing["type"].values == 1).sum())
+    ((name, caption, figure),) = packing_figures(packing)
+    assert name == "packing_quality" and f"{count} elements" in caption
+    assert "asked for" not in caption and not figure.axes[3].axison
+    heights = [sum(bar.get_height() for bar in axes.patches) for axes in figure.axes[:3]]
+    assert heights == [count, count, 2 * count]
+    packing["size_ratio"] = ("element", np.where(packing["type"].values == 1, 1.0, 0.0))
+    ((_, caption, figure),) = packing_figures(packing)
+    assert "spread 0.00" in caption and figure.axes[3].axison
+    assert all(axes.get_xlabel() and axes.get_ylabel() for axes in figure.axes)
+    assert list(packing_figures(make_packing(elements=False))) == []
 
 
 def test_cells_move_and_turn_with_their_element():

@@ -72,6 +72,39 @@ def test_frames_come_back_to_half_a_level():
     assert player["times"] == ["01 Jan 1982", "02 Jan 1982", "03 Jan 1982"]
 
 
+def test_stress_and_age_are_shown_where_a_scene_has_them():
+    """Pressure is compression: a scale from tension below zero up, in kN/m; age in days."""
+    data = grid()
+    ice = data["sithick"].notnull()
+    rows = np.linspace(-40e3, 10e3, NX)[None, None, :] + 0.0 * data["sithick"]
+    data = data.assign(
+        sistresave=rows.where(ice), sistremax=(5e3 + 0.0 * rows).where(ice),
+        siage=(2.0 * 86400.0 + 0.0 * rows).where(ice),
+    )  # fmt: skip
+    player = make_player(data, frame(), datetime(1982, 1, 1), 86400.0)
+    assert player is not None
+    layers = {layer["name"]: layer for layer in player["layers"]}
+    assert list(layers) == [
+        "thickness", "concentration", "drift", "pressure", "shear_stress", "age",
+    ]  # fmt: skip
+    for name, unit, expected in (
+        ("pressure", "kN/m", -1e-3 * rows.values[:, :2, :4]),
+        ("shear_stress", "kN/m", 5.0),
+        ("age", "days", 2.0),
+    ):
+        layer = layers[name]
+        levels = unpack(layer["data"]).reshape(TIMES, NY, NX)[:, 2:, :4].astype(float)
+        back = layer["low"] + (levels - 1) / 254 * (layer["high"] - layer["low"])
+        step = (layer["high"] - layer["low"]) / 254
+        assert layer["unit"] == unit
+        np.testing.assert_allclose(back, expected + 0.0 * back, atol=step, err_msg=name)
+    tension = data.assign(sistresave=-data["sistresave"])
+    player = make_player(tension, frame(), datetime(1982, 1, 1), 86400.0)
+    assert player is not None
+    low = next(each["low"] for each in player["layers"] if each["name"] == "pressure")
+    assert -45.0 <= low <= -40.0
+
+
 def test_arrows_point_where_the_ice_goes():
     player = make_player(grid(), frame(), datetime(1982, 1, 1), 86400.0)
     assert player is not None

@@ -89,20 +89,29 @@ def drift_of_engine(log: Path, times: np.ndarray, name: str) -> np.ndarray:
     return np.array(speeds)
 
 
+def drift_beside_demsi(
+    log: Path, shared: Path, name: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Times (s) and speeds (m/s) of the engine, of DEMSI's law and of DEMSI, held to each other."""
+    _, air, water = DRAG[name]
+    path = shared / "reference" / "demsi" / f"terminal_drift_{name}.nc"
+    with xr.open_dataset(path, decode_times=False) as data:
+        times, demsi = data["time"].values, data["v"].values[:, 0, 0]
+    ours = drift_of_engine(log, times, name)
+    terminal = WIND * math.sqrt(air / water)
+    exact, half = (drift(times, name, half_relative) for half_relative in (False, True))
+    np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-3 * terminal)
+    np.testing.assert_allclose(demsi, half, rtol=0, atol=1e-3 * terminal)
+    # The difference of the two laws: sqrt(1 + s^2 / 4) - s / 2 with s the root of the drags.
+    s = math.sqrt(air / water)
+    assert half[-1] / terminal == pytest.approx(math.hypot(1, s / 2) - s / 2, rel=0.01)
+    return times, ours, half, demsi
+
+
 def test_drift_from_rest_beside_demsi(log: Path, shared: Path, show) -> None:
     lines, points = {}, {}
-    for name, (_, air, water) in DRAG.items():
-        path = shared / "reference" / "demsi" / f"terminal_drift_{name}.nc"
-        with xr.open_dataset(path, decode_times=False) as data:
-            times, demsi = data["time"].values, data["v"].values[:, 0, 0]
-        ours = drift_of_engine(log, times, name)
-        terminal = WIND * math.sqrt(air / water)
-        exact, half = (drift(times, name, half_relative) for half_relative in (False, True))
-        np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-3 * terminal)
-        np.testing.assert_allclose(demsi, half, rtol=0, atol=1e-3 * terminal)
-        # The difference of the two laws: sqrt(1 + s^2 / 4) - s / 2 with s the root of the drags.
-        s = math.sqrt(air / water)
-        assert half[-1] / terminal == pytest.approx(math.hypot(1, s / 2) - s / 2, rel=0.01)
+    for name in DRAG:
+        times, ours, half, demsi = drift_beside_demsi(log, shared, name)
         lines |= {f"{name}, FloeFlow": (times / 3600, ours)}
         lines |= {f"{name}, DEMSI's law solved exactly": (times / 3600, half)}
         points |= {f"{name}, DEMSI": (times / 3600, demsi)}
