@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "bond_batch.h"
 
+#include "fetch_ahead.h"
 #include "lane_sums.h"
 #include "load_rows.h"
 
@@ -102,6 +103,21 @@ FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, const 
   }
 }
 
+// Blocks that a block's elements are asked for ahead of it; its own lines twice as many.
+constexpr int ahead = 8;
+
+template <bool Exact>
+FLOE_INLINE void fetch_ahead(const BondTask &t, const BondBlock *block) {
+  fetch_all(block + 2 * ahead, 1);
+  const BondBlock &next = block[ahead];
+  for (int k = 0; k < 4; ++k) {
+    fetch(t.bodies + next.lo[k]);
+    fetch(t.bodies + next.hi[k]);
+    fetch(load_row<Exact>(t.loads, next.lo[k]));
+    fetch(load_row<Exact>(t.loads, next.hi[k]));
+  }
+}
+
 template <typename Law, Damping Damp, bool Exact, typename P, int Width>
 FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
                                 std::vector<int> &odd) {
@@ -109,7 +125,10 @@ FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
   P part[parts] = {};
   const int count = bonds.count, whole = count / 4 * 4;
   const BondBlock *block = bonds.blocks.data();
+  const bool far = bonds.blocks.size() * sizeof(BondBlock) > cached_bytes;
+  const int fetched = far ? whole - 8 * ahead : 0;
   for (int first = 0; first < whole; first += 4, ++block) {
+    if (first < fetched) fetch_ahead<Exact>(t, block);
     const BondRest &rest = bonds.rest(first);
     for (int k = 0; k < parts; ++k) {
       evaluate_pack<Law, Damp, Exact, true, P, Width>(t, *block, rest, first + k * Width, k * Width,

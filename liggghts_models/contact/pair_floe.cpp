@@ -10,6 +10,7 @@
 #include "bond_batch.h"
 #include "contact_batch.h"
 #include "error.h"
+#include "fetch_ahead.h"
 #include "fix_floe_integrate.h"
 #include "load_rows.h"
 #include "pair_gran.h"
@@ -74,6 +75,19 @@ void PairFloe::clear_loads(bool current) {
   }
 }
 
+// Pairs that are asked for together, some such groups ahead.
+constexpr int chunk = 16;
+
+template <bool Exact>
+FLOE_INLINE void fetch_ahead(const ContactTask &t, int k) {
+  fetch_all(t.ends + k + 3 * chunk, chunk);
+  fetch_all(t.rows + k + 2 * chunk, chunk);
+  for (int m = k + 2 * chunk; m < k + 3 * chunk; ++m) {
+    fetch(t.bodies + t.ends[m].j());
+    fetch(load_row<Exact>(t.loads, t.ends[m].j()));
+  }
+}
+
 // All listed pairs that are not bonded: those that touch are collected and evaluated several at once.
 template <typename Terms>
 void PairFloe::loop_contacts(ContactSums &sums) {
@@ -95,7 +109,14 @@ void PairFloe::loop_contacts(ContactSums &sums) {
   const Body *bodies = task.bodies;
   const Ends *ends = task.ends;
   const int count = static_cast<int>(contacts_.ends.size());
+  const bool far = count * sizeof(ContactRow) > cached_bytes;
+  const int fetched = far ? count - 4 * chunk : 0;
+  int next = 0;
   for (int k = 0; k < count; ++k) {
+    if (k == next) {
+      next += chunk;
+      if (k < fetched) fetch_ahead<Terms::exact_sums>(task, k);
+    }
     const Body &one = bodies[ends[k].i], &two = bodies[ends[k].j()];
     const double dx = two.x - one.x, dy = two.y - one.y, sum = one.radius + two.radius;
     const double square = dx * dx + dy * dy;
