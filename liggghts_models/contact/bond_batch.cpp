@@ -118,17 +118,17 @@ FLOE_INLINE void fetch_ahead(const BondTask &t, const BondBlock *block) {
   }
 }
 
-template <typename Law, Damping Damp, bool Exact, typename P, int Width>
+template <typename Law, Damping Damp, bool Exact, bool Far, typename P, int Width>
 FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
                                 std::vector<int> &odd) {
   constexpr int parts = 4 / Width;
   P part[parts] = {};
   const int count = bonds.count, whole = count / 4 * 4;
   const BondBlock *block = bonds.blocks.data();
-  const bool far = bonds.blocks.size() * sizeof(BondBlock) > cached_bytes;
-  const int fetched = far ? whole - 8 * ahead : 0;
   for (int first = 0; first < whole; first += 4, ++block) {
-    if (first < fetched) fetch_ahead<Exact>(t, block);
+    if constexpr (Far) {
+      if (first < whole - 8 * ahead) fetch_ahead<Exact>(t, block);
+    }
     const BondRest &rest = bonds.rest(first);
     for (int k = 0; k < parts; ++k) {
       evaluate_pack<Law, Damp, Exact, true, P, Width>(t, *block, rest, first + k * Width, k * Width,
@@ -146,21 +146,31 @@ FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
 }
 
 #if defined(__x86_64__)
-template <typename Law, Damping Damp, bool Exact>
+template <typename Law, Damping Damp, bool Exact, bool Far>
 [[gnu::target("avx2")]] double evaluate_wide(const BondTask &t, const BondRecords &bonds,
                                              std::vector<int> &odd) {
-  return evaluate_all<Law, Damp, Exact, Pack4, 4>(t, bonds, odd);
+  return evaluate_all<Law, Damp, Exact, Far, Pack4, 4>(t, bonds, odd);
 }
 #endif
+
+template <typename Law, Damping Damp, bool Exact, bool Far>
+double evaluate_narrow(const BondTask &t, const BondRecords &bonds, std::vector<int> &odd) {
+  return evaluate_all<Law, Damp, Exact, Far, Pack2, 2>(t, bonds, odd);
+}
 
 }  // namespace
 
 template <typename Law, Damping Damp, bool Exact>
 double evaluate_bonds(const BondTask &task, const BondRecords &bonds, std::vector<int> &odd) {
+  const bool far = bonds.blocks.size() * sizeof(BondBlock) > cached_bytes;
 #if defined(__x86_64__)
-  if (wide_packs()) return evaluate_wide<Law, Damp, Exact>(task, bonds, odd);
+  if (wide_packs()) {
+    return far ? evaluate_wide<Law, Damp, Exact, true>(task, bonds, odd)
+               : evaluate_wide<Law, Damp, Exact, false>(task, bonds, odd);
+  }
 #endif
-  return evaluate_all<Law, Damp, Exact, Pack2, 2>(task, bonds, odd);
+  return far ? evaluate_narrow<Law, Damp, Exact, true>(task, bonds, odd)
+             : evaluate_narrow<Law, Damp, Exact, false>(task, bonds, odd);
 }
 
 #define FLOE_BONDS(Law, damp, exact)                                                      \

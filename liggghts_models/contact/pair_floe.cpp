@@ -89,7 +89,7 @@ FLOE_INLINE void fetch_ahead(const ContactTask &t, int k) {
 }
 
 // All listed pairs that are not bonded: those that touch are collected and evaluated several at once.
-template <typename Terms>
+template <typename Terms, bool Far>
 void PairFloe::loop_contacts(ContactSums &sums) {
   constexpr int room = 256;
   int touching[room + 3], found = 0;
@@ -109,13 +109,9 @@ void PairFloe::loop_contacts(ContactSums &sums) {
   const Body *bodies = task.bodies;
   const Ends *ends = task.ends;
   const int count = static_cast<int>(contacts_.ends.size());
-  const bool far = count * sizeof(ContactRow) > cached_bytes;
-  const int fetched = far ? count - 4 * chunk : 0;
-  int next = 0;
   for (int k = 0; k < count; ++k) {
-    if (k == next) {
-      next += chunk;
-      if (k < fetched) fetch_ahead<Terms::exact_sums>(task, k);
+    if constexpr (Far) {
+      if (k % chunk == 0 && k < count - 4 * chunk) fetch_ahead<Terms::exact_sums>(task, k);
     }
     const Body &one = bodies[ends[k].i], &two = bodies[ends[k].j()];
     const double dx = two.x - one.x, dy = two.y - one.y, sum = one.radius + two.radius;
@@ -157,7 +153,9 @@ void PairFloe::evaluate_contacts_of(ContactSums &sums) {
       choose(ridging, [&](auto with_ridging) {
         // Without a constant stiffness there is no ridging: settings() refuses it.
         constexpr bool ridges = with_ridging && Law::constant;
-        loop_contacts<ContactTerms<with_friction, ridges, damping, Exact, Law>>(sums);
+        using Terms = ContactTerms<with_friction, ridges, damping, Exact, Law>;
+        const bool far = contacts_.rows.size() * sizeof(ContactRow) > cached_bytes;
+        far ? loop_contacts<Terms, true>(sums) : loop_contacts<Terms, false>(sums);
       });
     });
   });

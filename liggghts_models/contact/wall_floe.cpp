@@ -80,10 +80,11 @@ void WallFloe::compute_force(FixWallGran *wall,
     return;
   }
   if (!(std::fabs(touch.delta[2]) <= upright * touch.radi)) {
-    error->one(FLERR, ("fix wall/gran model floe: the wall's point nearest to element " +
-                       std::to_string(atom->tag[i]) +
-                       " is not at z = 0: walls must stand upright and reach a radius above and below")
-                          .c_str());
+    error->one(FLERR,
+               ("fix wall/gran model floe: the wall's point nearest to element " +
+                std::to_string(atom->tag[i]) +
+                " is not at z = 0: walls must stand upright and reach a radius above and below")
+                   .c_str());
   }
   const bool fixed = atom->type[i] == FixFloeIntegrate::fixed_type;
   const ContactForce f = fixed ? ContactForce{} : force_on(touch, velocity, advance);

@@ -65,10 +65,11 @@ void FixFloeIntegrate::check_kept() {
   }
   MPI_Allreduce(own, any, 2, MPI_INT, MPI_MAX, world);
   if (any[0] && !known_) {
-    error->all(FLERR,
-               "Fix floe/integrate: angles and thicknesses of floes that have bonds or contacts are "
-               "lost, because their fix was deleted or has another ID in the restart file; change "
-               "keywords with fix_modify, and keep the ID");
+    error->all(
+        FLERR,
+        "Fix floe/integrate: angles and thicknesses of floes that have bonds or contacts are "
+        "lost, because their fix was deleted or has another ID in the restart file; change "
+        "keywords with fix_modify, and keep the ID");
   }
   if (any[0] && any[1]) {
     error->all(FLERR,
@@ -84,10 +85,11 @@ void FixFloeIntegrate::check_period() const {
   for (int k = 0; k < 2; ++k) {
     if (!domain->periodicity[k] || domain->prd[k] >= 2.0 * reach) continue;
     std::ostringstream text;
-    text << "Fix floe/integrate: the periodic box is " << domain->prd[k] << " m wide in "
-         << "xy"[k] << ", less than twice the " << reach
-         << " m up to which neighbours are listed: two floes would meet on both sides; make the box "
-         << "wider";
+    text
+        << "Fix floe/integrate: the periodic box is " << domain->prd[k] << " m wide in "
+        << "xy"[k] << ", less than twice the " << reach
+        << " m up to which neighbours are listed: two floes would meet on both sides; make the box "
+        << "wider";
     error->all(FLERR, text.str().c_str());
   }
 }

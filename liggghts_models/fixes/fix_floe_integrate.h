@@ -135,9 +135,9 @@ class FixFloeIntegrate : public Fix {
   bool ask_fused;        // by keyword
   bool arrays_current_;  // velocities, spins and orientations of LIGGGHTS' arrays
   bool has_run_ = false;
-  bool known_ = false;    // histories of pairs belong to what this fix holds of the elements
-  double elapsed_ = 0.0;  // s
-  int *kept_ids_;         // of elements when the last run ended; 0 for those that came since
+  bool known_ = false;         // histories of pairs belong to what this fix holds of the elements
+  double elapsed_ = 0.0;       // s
+  int *kept_ids_;              // of elements when the last run ended; 0 for those that came since
   bool between_runs_ = false;  // commands may change the elements
   bool first_kick;             // no step was made since the elements were set
   bool stop_at_fault;  // end the run; else keep the element where it is and let the driver ask

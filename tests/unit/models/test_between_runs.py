@@ -176,7 +176,7 @@ def test_floes_have_the_thickness_of_the_moment_they_are_made(tmp_path: Path) ->
 
 
 def test_floes_that_come_later_are_floes(tmp_path: Path) -> None:
-    """Made between two runs: they have thickness and area, touch, and the bonds before them stay."""
+    """Made between two runs: they have a thickness and touch, and the bonds before them stay."""
     pair = discs([(0.0, 0.0), (2.0, 0.0)], "bonds yes compressive_strength 1e9 reach 1.3")
     script = (
         pair

@@ -97,9 +97,7 @@ def test_what_liggghts_has_for_three_dimensions_only(tmp_path: Path) -> None:
     """Its own sentences: on the screen and on standard error, and nothing behind them."""
     script = discs(PAIR, "")
     insert = "fix one all particletemplate/sphere 15485863 atom_type 1 density constant 900 "
-    done = run_script(
-        tmp_path / "insert", script + insert + "radius constant 1.0\n", works=False
-    )
+    done = run_script(tmp_path / "insert", script + insert + "radius constant 1.0\n", works=False)
     says = "ERROR: Fix particletemplate/sphere (id one): this fix is for 3D simulations only ("
     for text in (done.out, done.err):
         (line,) = (line for line in text.splitlines() if line.startswith(says))

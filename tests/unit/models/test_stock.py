@@ -36,7 +36,7 @@ def test_fix_adapt_grows_discs(tmp_path: Path) -> None:
 
 
 def test_fix_deform_presses_a_row_around_the_box(tmp_path: Path) -> None:
-    """Every gap closes by the strain: one force all along, which is the pressure times the height."""
+    """Every gap closes by the strain: one force all along, pressure times height."""
     script = discs([(2.0 * k - 19.0, 0.0) for k in range(20)], LAW, boundary="p f p") + (
         "fix press all deform 1 x erate -1e-3 remap x\ncompute t all temp\n"
         "compute p all pressure t\ncompute fx all reduce max fx\nvariable width equal lx\n"
@@ -80,7 +80,7 @@ def test_fix_momentum_takes_the_drift_away(tmp_path: Path) -> None:
 
 
 def test_fix_rigid_moves_a_body_that_floes_push(tmp_path: Path) -> None:
-    """Two discs as one body and a third that runs into them: momentum stays, the body keeps its form."""
+    """A third disc runs into two: momentum stays, and the body keeps its form."""
     script = discs([(0.0, 0.0), (1.5, 0.0), (3.6, 0.0)], LAW).replace(
         "fix motion all", "fix motion free"
     )
@@ -127,7 +127,9 @@ def test_a_turning_wall_drags_by_friction(tmp_path: Path) -> None:
     """A square that turns rubs along the disc that lies at it, with all that friction gives."""
     corners = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0), (-2.0, -2.0)]
     write_wall(tmp_path / "wall.stl", corners)
-    script = discs([(2.999, 0.0)], "contact_young 1e8 contact_damping 0 friction_coefficient 0.3") + (
+    script = discs(
+        [(2.999, 0.0)], "contact_young 1e8 contact_damping 0 friction_coefficient 0.3"
+    ) + (
         "fix face all mesh/surface/stress file wall.stl type 2\n"
         "fix turn all move/mesh mesh face rotate origin 0. 0. 0. axis 0. 0. 1. period 10.\n"
         "fix wall all wall/gran model floe mesh n_meshes 1 meshes face\n"
@@ -157,17 +159,19 @@ def test_computes_of_floes(tmp_path: Path, ranks: int) -> None:
     places = [(0.0, 0.0), (1.98, 0.0), (3.96, 0.0), (9.0, 0.0)]
     show = (
         "compute touch all contact/atom\ncompute near all coord/atom 2.1\ncompute ke all ke\n"
-        "compute each all ke/atom\ncompute far all displace/atom\ncompute clump all cluster/atom 2.0\n"
-        "compute mid all com\ncompute msd all msd\nfix mean all ave/atom 1 10 10 fx\n"
+        "compute each all ke/atom\ncompute far all displace/atom\n"
+        "compute clump all cluster/atom 2.0\ncompute mid all com\ncompute msd all msd\n"
+        "fix mean all ave/atom 1 10 10 fx\n"
         "fix start all store/state 0 x\n"
         "thermo_style custom step c_ke c_mid[1] c_msd[4]\nthermo 10\n"
         + PRINT
-        + "dump d all custom 10 end.txt id c_touch c_near c_each c_far[1] c_clump f_mean f_start fx\n"
+        + "dump d all custom 10 end.txt id c_touch c_near c_each c_far[1] c_clump f_mean f_start"
+        + " fx\n"
         'dump_modify d sort id format "%d %g %g %.17g %.17g %g %.17g %.17g %.17g"\n'
     )
     script = discs(places, LAW) + "set group all type 2\nset atom 4 type 1\n" + show
-    done = run_script(tmp_path, script + "group one id 4\nvelocity one set 1 0 0 units box\nrun 10\n",
-                      ranks)  # fmt: skip
+    script += "group one id 4\nvelocity one set 1 0 0 units box\nrun 10\n"
+    done = run_script(tmp_path, script, ranks)
     end, table = done.dump("end.txt"), done.tables[-1]
     np.testing.assert_array_equal(end[:, 1], [1, 2, 1, 0])
     np.testing.assert_array_equal(end[:, 2], [1, 2, 1, 0])
