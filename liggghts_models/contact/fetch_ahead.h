@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
 // Asking memory for what a loop reads soon. The processor does so on its own within a page of memory
-// and along few arrays at once; the loops over pairs go along many, and to neighbours in another row.
-// It changes no bit, and is done only where a loop's records do not stay in the caches.
+// and along few arrays at once; the loop over bonds goes along many, and to neighbours in another row.
+// It changes no bit, and is done only where the bonds do not stay in the caches.
 #ifndef FLOE_CONTACT_FETCH_AHEAD_H
 #define FLOE_CONTACT_FETCH_AHEAD_H
 

@@ -10,7 +10,6 @@
 #include "bond_batch.h"
 #include "contact_batch.h"
 #include "error.h"
-#include "fetch_ahead.h"
 #include "fix_floe_integrate.h"
 #include "load_rows.h"
 #include "pair_gran.h"
@@ -75,21 +74,8 @@ void PairFloe::clear_loads(bool current) {
   }
 }
 
-// Pairs that are asked for together, some such groups ahead.
-constexpr int chunk = 16;
-
-template <bool Exact>
-FLOE_INLINE void fetch_ahead(const ContactTask &t, int k) {
-  fetch_all(t.ends + k + 3 * chunk, chunk);
-  fetch_all(t.rows + k + 2 * chunk, chunk);
-  for (int m = k + 2 * chunk; m < k + 3 * chunk; ++m) {
-    fetch(t.bodies + t.ends[m].j());
-    fetch(load_row<Exact>(t.loads, t.ends[m].j()));
-  }
-}
-
 // All listed pairs that are not bonded: those that touch are collected and evaluated several at once.
-template <typename Terms, bool Far>
+template <typename Terms>
 void PairFloe::loop_contacts(ContactSums &sums) {
   constexpr int room = 256;
   int touching[room + 3], found = 0;
@@ -110,9 +96,6 @@ void PairFloe::loop_contacts(ContactSums &sums) {
   const Ends *ends = task.ends;
   const int count = static_cast<int>(contacts_.ends.size());
   for (int k = 0; k < count; ++k) {
-    if constexpr (Far) {
-      if (k % chunk == 0 && k < count - 4 * chunk) fetch_ahead<Terms::exact_sums>(task, k);
-    }
     const Body &one = bodies[ends[k].i], &two = bodies[ends[k].j()];
     const double dx = two.x - one.x, dy = two.y - one.y, sum = one.radius + two.radius;
     const double square = dx * dx + dy * dy;
@@ -153,9 +136,7 @@ void PairFloe::evaluate_contacts_of(ContactSums &sums) {
       choose(ridging, [&](auto with_ridging) {
         // Without a constant stiffness there is no ridging: settings() refuses it.
         constexpr bool ridges = with_ridging && Law::constant;
-        using Terms = ContactTerms<with_friction, ridges, damping, Exact, Law>;
-        const bool far = contacts_.rows.size() * sizeof(ContactRow) > cached_bytes;
-        far ? loop_contacts<Terms, true>(sums) : loop_contacts<Terms, false>(sums);
+        loop_contacts<ContactTerms<with_friction, ridges, damping, Exact, Law>>(sums);
       });
     });
   });

@@ -138,7 +138,7 @@ class PairFloe : public LIGGGHTS::PairStyles::IGranularPairStyle, private LAMMPS
   void evaluate_contacts_of(ContactSums &);
   template <bool Exact>
   void evaluate_exactly_or_not();
-  template <typename Terms, bool Far>
+  template <typename Terms>
   void loop_contacts(ContactSums &);
   template <typename Law, bool Exact>
   void bond_alone(int number, Losses &);
