@@ -96,3 +96,14 @@ void LAMMPS_NS::Error::all(const char *file, int line, const char *text) {
   MPI_Finalize();
   std::exit(1);
 }
+
+// LIGGGHTS' own print some memory behind the sentence, and nothing on standard error.
+void LAMMPS_NS::Error::fix_error(const char *file, int line, Fix *fix, const char *style,
+                                 const char *text) {
+  const std::string head = std::string("Fix ") + style + " (id " + fix->id + "): ";
+  all(file, line, (head + (std::strlen(text) > 2 ? text : "illegal command")).c_str());
+}
+
+void LAMMPS_NS::Error::fix_error(const char *file, int line, Fix *fix, const char *text) {
+  fix_error(file, line, fix, fix->style, text);
+}

@@ -56,6 +56,7 @@ int floe_create_elements(void *instance, long long n, const long long *id, const
       atom->radius[i] = row[radius];
       atom->rmass[i] = row[mass];
       atom->density[i] = row[mass] / (M_PI * row[radius] * row[radius]);
+      fix->set_arrays(i);
       fix->set_orientation(i, row[theta]);
       fix->thickness[i] = row[thickness];
       fix->ice_area[i] = row[ice_area];
@@ -64,8 +65,6 @@ int floe_create_elements(void *instance, long long n, const long long *id, const
       for (int c = wind_impulse_x; c < column_count; ++c)
         fix->impulse[i][c - wind_impulse_x] = row[c];
     }
-    // Or LIGGGHTS gives every element the fix's defaults when it first initialises.
-    fix->just_created = false;
     bigint local = atom->nlocal;
     MPI_Allreduce(&local, &atom->natoms, 1, MPI_LMP_BIGINT, MPI_SUM, lmp->world);
     if (atom->natoms != n) throw floe::LiggghtsError("elements lie outside of the box");

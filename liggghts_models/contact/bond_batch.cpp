@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "bond_batch.h"
 
+#include "fetch_ahead.h"
 #include "lane_sums.h"
 #include "load_rows.h"
 
@@ -102,7 +103,22 @@ FLOE_INLINE void evaluate_pack(const BondTask &t, const BondBlock &block, const 
   }
 }
 
-template <typename Law, Damping Damp, bool Exact, typename P, int Width>
+// Blocks that a block's elements are asked for ahead of it; its own lines twice as many.
+constexpr int ahead = 8;
+
+template <bool Exact>
+FLOE_INLINE void fetch_ahead(const BondTask &t, const BondBlock *block) {
+  fetch_all(block + 2 * ahead, 1);
+  const BondBlock &next = block[ahead];
+  for (int k = 0; k < 4; ++k) {
+    fetch(t.bodies + next.lo[k]);
+    fetch(t.bodies + next.hi[k]);
+    fetch(load_row<Exact>(t.loads, next.lo[k]));
+    fetch(load_row<Exact>(t.loads, next.hi[k]));
+  }
+}
+
+template <typename Law, Damping Damp, bool Exact, bool Far, typename P, int Width>
 FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
                                 std::vector<int> &odd) {
   constexpr int parts = 4 / Width;
@@ -110,6 +126,9 @@ FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
   const int count = bonds.count, whole = count / 4 * 4;
   const BondBlock *block = bonds.blocks.data();
   for (int first = 0; first < whole; first += 4, ++block) {
+    if constexpr (Far) {
+      if (first < whole - 8 * ahead) fetch_ahead<Exact>(t, block);
+    }
     const BondRest &rest = bonds.rest(first);
     for (int k = 0; k < parts; ++k) {
       evaluate_pack<Law, Damp, Exact, true, P, Width>(t, *block, rest, first + k * Width, k * Width,
@@ -127,21 +146,31 @@ FLOE_INLINE double evaluate_all(const BondTask &t, const BondRecords &bonds,
 }
 
 #if defined(__x86_64__)
-template <typename Law, Damping Damp, bool Exact>
+template <typename Law, Damping Damp, bool Exact, bool Far>
 [[gnu::target("avx2")]] double evaluate_wide(const BondTask &t, const BondRecords &bonds,
                                              std::vector<int> &odd) {
-  return evaluate_all<Law, Damp, Exact, Pack4, 4>(t, bonds, odd);
+  return evaluate_all<Law, Damp, Exact, Far, Pack4, 4>(t, bonds, odd);
 }
 #endif
+
+template <typename Law, Damping Damp, bool Exact, bool Far>
+double evaluate_narrow(const BondTask &t, const BondRecords &bonds, std::vector<int> &odd) {
+  return evaluate_all<Law, Damp, Exact, Far, Pack2, 2>(t, bonds, odd);
+}
 
 }  // namespace
 
 template <typename Law, Damping Damp, bool Exact>
 double evaluate_bonds(const BondTask &task, const BondRecords &bonds, std::vector<int> &odd) {
+  const bool far = bonds.blocks.size() * sizeof(BondBlock) > cached_bytes;
 #if defined(__x86_64__)
-  if (wide_packs()) return evaluate_wide<Law, Damp, Exact>(task, bonds, odd);
+  if (wide_packs()) {
+    return far ? evaluate_wide<Law, Damp, Exact, true>(task, bonds, odd)
+               : evaluate_wide<Law, Damp, Exact, false>(task, bonds, odd);
+  }
 #endif
-  return evaluate_all<Law, Damp, Exact, Pack2, 2>(task, bonds, odd);
+  return far ? evaluate_narrow<Law, Damp, Exact, true>(task, bonds, odd)
+             : evaluate_narrow<Law, Damp, Exact, false>(task, bonds, odd);
 }
 
 #define FLOE_BONDS(Law, damp, exact)                                                      \

@@ -166,9 +166,8 @@ void PairFloe::note_breakage(int number, BreakageMode mode, const BondShape &bef
   const double stress = bond.young * failed / shape.span;  // Pa
   const Body &body = fix_->bodies[lo];
   breakages.push_back({update->ntimestep, atom->tag[lo], atom->tag[hi], body.x + line.arm_lo.x,
-                       body.y + line.arm_lo.y,
-                       fix_->start_time + static_cast<double>(update->ntimestep) * update->dt, mode,
-                       stress, bond.shear * line.dt / shape.span, shape.thickness, energy});
+                       body.y + line.arm_lo.y, fix_->elapsed(), mode, stress,
+                       bond.shear * line.dt / shape.span, shape.thickness, energy});
 }
 
 }  // namespace floe

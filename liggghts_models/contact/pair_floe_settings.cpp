@@ -20,6 +20,8 @@
 #include "number.h"
 #include "pair_floe.h"
 #include "pair_gran.h"
+#include "plugin.h"
+#include "update.h"
 
 using namespace LAMMPS_NS;
 
@@ -69,6 +71,7 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
   const auto fail = [&](const std::string &what) {
     error->all(FLERR, ("pair_style gran model floe: " + what).c_str());
   };
+  if (std::strcmp(update->unit_style, "si")) fail("needs `units si`: its defaults are in SI units");
   int k = 0;
   const auto number = [&](const std::string &key, bool positive) {
     if (++k >= narg) fail(key + " needs a value");
@@ -201,6 +204,9 @@ void PairFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *se
 void PairFloe::init_granular() {
   fix_ = dynamic_cast<FixFloeIntegrate *>(modify->find_fix_style("floe/integrate", 0));
   if (!fix_) error->all(FLERR, "pair_style gran model floe needs fix floe/integrate");
+  if (find_parts(lmp).floe != this) {
+    error->all(FLERR, "pair_style gran model floe cannot be a part of pair_style hybrid");
+  }
   fix_->use_orientation = bonds;
   fix_->pairs = this;
   if (page_ && (page_ != neighbor->pgsize || one_ != neighbor->oneatom)) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "wall_floe.h"
 
+#include <cmath>
+#include <string>
+
 #include "atom.h"
 #include "compute_pair_gran_local.h"
 #include "error.h"
@@ -18,6 +21,13 @@
 using namespace LAMMPS_NS;
 
 namespace floe {
+
+namespace {
+
+// Share of a radius by which the nearest point of a wall may lie off the plane: round-off.
+constexpr double upright = 1e-6;
+
+}  // namespace
 
 void WallFloe::settings(int narg, char **arg, LIGGGHTS::IContactHistorySetup *setup) {
   if (narg > 0) {
@@ -68,6 +78,13 @@ void WallFloe::compute_force(FixWallGran *wall,
     if (advance) h[slot::slip] = 0.0;
     if (advance && !laws_->ridging) h[slot::rest_overlap] = 0.0;
     return;
+  }
+  if (!(std::fabs(touch.delta[2]) <= upright * touch.radi)) {
+    error->one(FLERR,
+               ("fix wall/gran model floe: the wall's point nearest to element " +
+                std::to_string(atom->tag[i]) +
+                " is not at z = 0: walls must stand upright and reach a radius above and below")
+                   .c_str());
   }
   const bool fixed = atom->type[i] == FixFloeIntegrate::fixed_type;
   const ContactForce f = fixed ? ContactForce{} : force_on(touch, velocity, advance);

@@ -13,9 +13,9 @@
 #include "defaults.h"
 #include "error.h"
 #include "fix_floe_integrate.h"
-#include "force.h"
 #include "history.h"
 #include "neigh_list.h"
+#include "number.h"
 #include "pair_floe.h"
 #include "pair_gran.h"
 #include "plugin.h"
@@ -40,7 +40,10 @@ void BondCommand::command(int narg, char **arg) {
   double gap = -1.0, thickness = -1.0, width = floe::defaults::edge_share;
   for (int k = 0; k + 1 < narg; k += 2) {
     const std::string key = arg[k];
-    const double value = force->numeric(FLERR, arg[k + 1]);
+    double value;
+    if (const char *fault = floe::number_fault(arg[k + 1], value)) {
+      error->all(FLERR, ("floe_bonds: " + key + fault).c_str());
+    }
     if (key == "gap")
       gap = value;
     else if (key == "thickness")
@@ -79,6 +82,7 @@ void BondCommand::command(int narg, char **arg) {
       const double ri = atom->radius[lo], rj = atom->radius[hi];
       if (span > ri + rj + gap) continue;
       double *h = past->firstdouble[i] + static_cast<std::ptrdiff_t>(size) * jj;
+      const bool new_bond = !floe::is_bond(past->firstneigh[i][jj], h);
       past->firstneigh[i][jj] = 1;
       std::fill(h, h + size, 0.0);
       const floe::Vec2 n{d.x / span, d.y / span};
@@ -93,8 +97,10 @@ void BondCommand::command(int narg, char **arg) {
       if (span > parts.floe->reach * (ri + rj)) {
         error->one(FLERR, "floe_bonds: a bond is longer than the pair style's reach");
       }
-      parts.fix->bonds_made[i] += 1.0;
-      if (j < atom->nlocal) parts.fix->bonds_made[j] += 1.0;
+      if (new_bond) {
+        parts.fix->bonds_made[i] += 1.0;
+        if (j < atom->nlocal) parts.fix->bonds_made[j] += 1.0;
+      }
       made += j < atom->nlocal ? 1.0 : 0.5;
     }
   }

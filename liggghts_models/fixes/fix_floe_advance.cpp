@@ -83,6 +83,7 @@ floe::DampingWork FixFloeIntegrate::damping_to_now() const {
 }
 
 void FixFloeIntegrate::initial_integrate(int) {
+  elapsed_ += update->dt;
   if (with_variables_) sample_variables();
   if (law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt || seabed.use)
     advance<true>();

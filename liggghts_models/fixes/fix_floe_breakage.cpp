@@ -12,6 +12,7 @@
 #include "domain.h"
 #include "error.h"
 #include "memory.h"
+#include "modify.h"
 #include "pair_floe.h"
 #include "plugin.h"
 #include "update.h"
@@ -74,6 +75,10 @@ void FixFloeBreakage::init() {
   floe::PairFloe *pairs = floe::find_parts(lmp).floe;
   if (!pairs || !pairs->bonds) {
     error->all(FLERR, "Fix floe/breakage needs pair_style gran model floe bonds yes");
+  }
+  if (modify->find_fix_style("floe/breakage", 1)) {
+    error->all(FLERR,
+               "There may be only one fix floe/breakage: a second would find what the first left");
   }
   pairs->log_breakages = true;
 }

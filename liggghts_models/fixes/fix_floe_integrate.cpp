@@ -46,6 +46,7 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
       start_time(0.0),
       ask_fused(false),
       arrays_current_(true),
+      kept_ids_(nullptr),
       first_kick(true),
       stop_at_fault(true),
       default_thickness(1.0),
@@ -67,12 +68,15 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
   forcing.time.assign(1, 0.0);
   forcing.velocity.assign(4, 0.0);
   forcing.coriolis.assign(1, 0.0);
-  parse(narg, arg);
+  parse(3, narg, arg);
+  elapsed_ = static_cast<double>(update->ntimestep) * update->dt;
   grow_arrays(atom->nmax);
   atom->add_callback(0);
   atom->add_callback(1);
   atom->add_callback(2);
   for (int i = 0; i < atom->nlocal; ++i) set_arrays(i);
+  // Or LIGGGHTS gives every element the defaults of its first run, whatever they were when it was made.
+  just_created = 0;
 }
 
 FixFloeIntegrate::~FixFloeIntegrate() {
@@ -87,13 +91,15 @@ FixFloeIntegrate::~FixFloeIntegrate() {
   memory->destroy(bonds_made);
   memory->destroy(impulse);
   memory->destroy(turn);
+  memory->destroy(kept_ids_);
 }
 
-void FixFloeIntegrate::parse(int narg, char **arg) {
+// Keywords of the command fix, or of fix_modify.
+void FixFloeIntegrate::parse(int first, int narg, char **arg) {
   const auto fail = [&](const std::string &what) {
     error->all(FLERR, ("Fix floe/integrate: " + what).c_str());
   };
-  int k = 3;
+  int k = first;
   const auto number = [&](const char *key) {
     if (++k >= narg) fail(std::string(key) + " needs a value");
     double value;
@@ -108,7 +114,8 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
   };
   const auto speed = [&](const char *key, int component) {
     const bool named = k + 1 < narg && !std::strncmp(arg[k + 1], "v_", 2);
-    return named ? or_variable(arg[++k], component) : number(key);
+    variable_names_[component] = named ? arg[++k] + 2 : "";
+    return named ? 0.0 : number(key);
   };
   const auto not_negative = [&](const char *key) {
     const double value = number(key);
@@ -173,8 +180,16 @@ void FixFloeIntegrate::parse(int narg, char **arg) {
     else
       fail("unknown keyword " + key);
   }
+  with_variables_ = false;
+  for (const std::string &name : variable_names_) with_variables_ |= !name.empty();
   // FloeFlow's engine, which asks for fused, gives the depth with the forcing.
   if (seabed.use && forcing.depth.empty() && !ask_fused) fail("seabed yes needs depth");
+}
+
+// Another wind in the middle of a script: what the fix holds of the elements stays.
+int FixFloeIntegrate::modify_param(int narg, char **arg) {
+  parse(0, narg, arg);
+  return narg;
 }
 
 double FixFloeIntegrate::step_length() const { return update->dt; }
@@ -183,6 +198,11 @@ int FixFloeIntegrate::setmask() { return FixConst::INITIAL_INTEGRATE | FixConst:
 
 void FixFloeIntegrate::init() {
   if (domain->dimension != 2) error->all(FLERR, "Fix floe/integrate needs dimension 2");
+  if (update->whichflag == 2 || std::strcmp(update->integrate_style, "verlet")) {
+    error->all(FLERR,
+               "Fix floe/integrate needs the command run with run_style verlet: nothing else "
+               "moves floes by it");
+  }
   const int others = modify->n_pre_initial_integrate + modify->n_post_integrate +
                      modify->n_pre_force + modify->n_post_force + modify->n_pre_final_integrate +
                      modify->n_final_integrate + modify->n_end_of_step;
@@ -194,42 +214,7 @@ void FixFloeIntegrate::init() {
   find_variables();
   warn_of_others();
   check_plane();
-}
-
-// Elements above each other would be at one place for laws in the plane.
-void FixFloeIntegrate::check_plane() {
-  int above = 0, any = 0;
-  for (int i = 0; i < atom->nlocal; ++i) above |= atom->x[i][2] != 0.0;
-  MPI_Allreduce(&above, &any, 1, MPI_INT, MPI_MAX, world);
-  if (any) {
-    error->all(
-        FLERR,
-        "Fix floe/integrate needs all elements at z = 0: a region for create_atoms must hold "
-        "no more than that layer of the lattice");
-  }
-}
-
-// Elements outside of the group stay where they are, as with LIGGGHTS' own integrators, unless another
-// fix moves them.
-void FixFloeIntegrate::warn_of_others() {
-  if (modify->find_fix_style("floe/integrate", 1)) {
-    error->all(FLERR,
-               "There may be only one fix floe/integrate: it holds thickness and orientation");
-  }
-  int moved = 0;
-  for (int k = 0; k < modify->nfix; ++k) {
-    if (modify->fix[k]->time_integrate) moved |= modify->fix[k]->groupbit;
-  }
-  bigint still = 0, total = 0;
-  for (int i = 0; i < atom->nlocal; ++i) {
-    if (!(atom->mask[i] & moved) && atom->type[i] != fixed_type) ++still;
-  }
-  MPI_Allreduce(&still, &total, 1, MPI_LMP_BIGINT, MPI_SUM, world);
-  if (total == 0 || comm->me != 0) return;
-  const std::string text = std::to_string(total) +
-                           " elements are outside of the group of fix floe/integrate and no other "
-                           "fix moves them: they stay where they are";
-  error->warning(FLERR, text.c_str());
+  check_kept();
 }
 
 void FixFloeIntegrate::pre_exchange() {
@@ -244,9 +229,11 @@ void FixFloeIntegrate::post_run() {
   has_run_ = has_run_ || pairs;
   between_runs_ = true;
   if (pairs) pairs->keep_history();
+  std::copy_n(atom->tag, atom->nlocal, kept_ids_);
 }
 
 void FixFloeIntegrate::setup_pre_exchange() {
+  check_period();
   between_runs_ = false;
   if (pairs) pairs->forget_records();
 }
@@ -313,6 +300,7 @@ void FixFloeIntegrate::grow_arrays(int nmax) {
   memory->grow(bonds_made, nmax, "floe/integrate:bonds_made");
   memory->grow(impulse, nmax, impulse_numbers, "floe/integrate:impulse");
   memory->grow(turn, nmax, 2, "floe/integrate:turn");
+  memory->grow(kept_ids_, nmax, "floe/integrate:kept_ids");
 }
 
 void FixFloeIntegrate::copy_arrays(int i, int j, int) {
@@ -331,6 +319,7 @@ void FixFloeIntegrate::copy_arrays(int i, int j, int) {
   for (int k = 0; k < impulse_numbers; ++k) impulse[j][k] = impulse[i][k];
   turn[j][0] = turn[i][0];
   turn[j][1] = turn[i][1];
+  kept_ids_[j] = kept_ids_[i];
 }
 
 void FixFloeIntegrate::set_arrays(int i) {
@@ -340,6 +329,7 @@ void FixFloeIntegrate::set_arrays(int i) {
   ridged_area[i] = bonds_made[i] = 0.0;
   for (int k = 0; k < impulse_numbers; ++k) impulse[i][k] = 0.0;
   set_orientation(i, 0.0);
+  kept_ids_[i] = 0;
 }
 
 int FixFloeIntegrate::pack_border(int n, int *list, double *buf) {
@@ -378,6 +368,7 @@ int FixFloeIntegrate::unpack_exchange(int i, double *buf) {
   cover[i] = buf[5];
   for (int k = 0; k < impulse_numbers; ++k) impulse[i][k] = buf[6 + k];
   set_orientation(i, theta[i]);
+  kept_ids_[i] = 0;
   return own_numbers;
 }
 

@@ -42,6 +42,7 @@ class FixFloeIntegrate : public Fix {
   void setup_pre_exchange() override;
   void pre_exchange() override;
   void post_run() override;
+  int modify_param(int, char **) override;
 
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override;
@@ -104,6 +105,8 @@ class FixFloeIntegrate : public Fix {
   floe::ForcingGrid forcing;
   double start_time;           // s, time of step 0 on the forcing's axis
   double step_length() const;  // s
+  // Of all steps so far, whatever their lengths were, s.
+  double elapsed() const { return elapsed_; }
   floe::Ledger ledger;
   floe::SeabedLedger seabed_ledger;
   floe::Fault fault;
@@ -115,13 +118,14 @@ class FixFloeIntegrate : public Fix {
   void advance_some(int first, int last, const floe::ForcingTime &, floe::Ledger &);
   void count_damping(int i, floe::Vec2 u, floe::Vec2 u_new, double spin, double new_spin,
                      floe::Ledger &) const;
-  void parse(int narg, char **arg);
+  void parse(int first, int narg, char **arg);
   void note_fault(int i, int kind, int partner, double speed);
   void freeze(int i, int kind, double speed);
   void warn_of_others();
   void check_plane();
+  void check_kept();
+  void check_period() const;
   // Wind and water from variables of the script, evaluated at each step.
-  double or_variable(const char *word, int component);
   void find_variables();
   void sample_variables();
   void take_variables(int i, floe::ForcingSample &here) const;
@@ -131,6 +135,9 @@ class FixFloeIntegrate : public Fix {
   bool ask_fused;        // by keyword
   bool arrays_current_;  // velocities, spins and orientations of LIGGGHTS' arrays
   bool has_run_ = false;
+  bool known_ = false;         // histories of pairs belong to what this fix holds of the elements
+  double elapsed_ = 0.0;       // s
+  int *kept_ids_;              // of elements when the last run ended; 0 for those that came since
   bool between_runs_ = false;  // commands may change the elements
   bool first_kick;             // no step was made since the elements were set
   bool stop_at_fault;  // end the run; else keep the element where it is and let the driver ask

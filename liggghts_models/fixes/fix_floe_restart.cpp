@@ -20,7 +20,7 @@ using namespace LAMMPS_NS;
 namespace {
 
 // Of the numbers in a restart file: raised whenever their layout changes.
-constexpr double restart_version = 4.0;
+constexpr double restart_version = 5.0;
 struct Kept {
   floe::Ledger ledger;
   floe::SeabedLedger seabed;
@@ -37,7 +37,7 @@ void FixFloeIntegrate::write_restart(FILE *file) {
   const Kept kept{ledger, seabed_ledger};
   double own[kept_size];
   std::memcpy(own, &kept, sizeof kept);
-  std::vector<double> out{restart_version, start_time, first_kick ? 1.0 : 0.0};
+  std::vector<double> out{restart_version, elapsed_, first_kick ? 1.0 : 0.0};
   const int head = static_cast<int>(out.size());
   out.resize(head + kept_size);
   MPI_Allreduce(own, out.data() + head, kept_size, MPI_DOUBLE, MPI_SUM, world);
@@ -52,7 +52,8 @@ void FixFloeIntegrate::restart(char *buf) {
   if (in[0] != restart_version) {
     error->all(FLERR, "Fix floe/integrate: another version wrote the restart file");
   }
-  start_time = in[1];
+  elapsed_ = in[1];
+  known_ = true;
   first_kick = in[2] != 0.0;
   // The sums of all ranks go on with the first.
   Kept kept{};

@@ -11,14 +11,9 @@
 
 using namespace LAMMPS_NS;
 
-double FixFloeIntegrate::or_variable(const char *word, int component) {
-  variable_names_[component] = word + 2;
-  with_variables_ = true;
-  return 0.0;
-}
-
 void FixFloeIntegrate::find_variables() {
   for (int k = 0; k < 4; ++k) {
+    variables_[k] = -1;
     if (variable_names_[k].empty()) continue;
     char *name = &variable_names_[k][0];
     variables_[k] = input->variable->find(name);
