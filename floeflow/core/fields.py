@@ -177,7 +177,10 @@ def read_unpacked(
 ) -> Values:
     """As `read_values`, with the flags that tell why values are missing."""
     raw = _stored(data, name, layout, times, path, level)
-    found = unpack(raw, data[name].attrs)
+    try:
+        found = unpack(raw, data[name].attrs)
+    except FloeError as error:
+        raise FloeError(f"{path}: variable '{name}': {error}") from None
     flags = {kind: _ordered(hit, source).astype(bool) for kind, hit in found.flags.items()}
     return Values(_ordered(found.values, source), flags, found.rounding)
 

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from floeflow.analysis.estimate import choose
 from floeflow.analysis.estimate.conditions import conditions
-from floeflow.analysis.resolve import resolve_scene
+from floeflow.analysis.resolve import checked_scene
 
 
 def tell(path: Path, as_json: bool = False) -> str:
     """The estimates of a scene file as text or JSON."""
-    scene = resolve_scene(path)
+    scene = checked_scene(path)
     c = conditions(scene)
     rows = choose.scene_estimates(scene)
     wanted = choose.choose(scene)
