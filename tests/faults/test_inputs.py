@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import zipfile
@@ -20,11 +21,14 @@ from typer.testing import CliRunner
 from floeflow.analysis import reading_process
 from floeflow.cli import app
 from floeflow.core.errors import FloeError, answer
+from floeflow.core.grids import mask_grid
 from floeflow.core.polygon_file import read_polygons
 from floeflow.forcings.files import unzip
 from floeflow.masks.mask import make_mask
 from floeflow.masks.mask_file import check_mask_file
+from floeflow.packings.sizes import relative_size
 from floeflow.scene import parse_scene
+from floeflow.scene.blocks import Sizes
 
 HERE = Path(__file__).parent
 TABLE = yaml.safe_load((HERE / "inputs.yaml").read_text())
@@ -57,9 +61,7 @@ def test_a_hostile_file_is_refused_in_a_sentence(case: dict[str, Any], tmp_path:
         path.write_bytes(case["bytes"].encode())
     elif "file" not in case:
         write_map(path, case)
-    scene = parse_scene(
-        b"effects: [wind]\nmask: {land: none}\ndomain: {spacing: 5.0e+5}\n", "a"
-    )
+    scene = parse_scene(b"effects: [wind]\nmask: {land: none}\ndomain: {spacing: 5.0e+5}\n", "a")
     mask = scene.mask.model_copy(update={"file": str(path)})
     scene = scene.model_copy(update={"mask": mask})
     with pytest.raises(FloeError) as refusal:
@@ -99,6 +101,19 @@ def test_polygons_of_a_pipe_are_not_waited_for(tmp_path: Path):
     (tmp_path / "land.shp").write_bytes(bytes(200))
     with pytest.raises(FloeError, match=r"needs land.prj beside it"):
         read_polygons(tmp_path / "land.shp", "EPSG:6931")
+
+
+def test_a_size_of_polygons_is_a_number(tmp_path: Path):
+    """JSON's true would count as 1."""
+    corners = [[-150, 70], [-140, 70], [-140, 75], [-150, 70]]
+    shape = {"type": "Polygon", "coordinates": [corners]}
+    feature = {"type": "Feature", "properties": {"size": True}, "geometry": shape}
+    (tmp_path / "sizes.geojson").write_text(json.dumps(feature))
+    grid = mask_grid(parse_scene(b"", "a").domain, 1)
+    land = np.zeros(grid.shape, bool)
+    keys = Sizes(polygons=str(tmp_path / "sizes.geojson"))
+    with pytest.raises(FloeError, match=r"needs a property 'size' above 0 .* \(got True\)"):
+        relative_size(grid, ~land, land, keys, 1e5, "EPSG:6931")
 
 
 @pytest.mark.parametrize("command", [["check"], ["effects"], ["plan", "--error", "0.1"]])
