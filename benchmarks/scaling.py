@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The element model over ranks: ``make bench-scaling``.
 
-Strong and weak scaling on one, two and four ranks, what a rank sends in a step, how evenly a pack
+Strong and weak scaling on one to eight ranks, what a rank sends in a step, how evenly a pack
 that fills half of its box is shared, whether all numbers of ranks give the same. Then a figure of
 what a day of the Arctic would take on up to 1024 cores (`scaling_model`). Writes
 ``results/benchmarks/scaling.json`` and ``scaling.png``.
@@ -35,7 +35,9 @@ from floeflow.core.records import Record, write_records
 from floeflow.state.bonds import Arrays, without
 
 OUT = Path("results") / "benchmarks" / "scaling.json"
-RANKS = (1, 2, 4)
+RANKS = (1, 2, 4, 8)
+# Rafts of weak scaling: as many times as wide and as high as that of one rank.
+GROWN = {1: (1, 1), 2: (2, 1), 4: (2, 2), 8: (4, 2)}
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ def cases(plan: Plan) -> Iterator[Case]:
         for ranks in RANKS:
             yield replace(strong, name=f"strong_{kind}", ranks=ranks, bonds=bonds)
         for ranks in RANKS:
-            wide, high = columns * (2 if ranks > 1 else 1), rows * (2 if ranks > 2 else 1)
+            wide, high = columns * GROWN[ranks][0], rows * GROWN[ranks][1]
             yield Case(f"weak_{kind}", wide, high, ranks, plan.steps, plan.repeats, bonds=bonds)
     half = replace(strong, columns=columns, rows=rows, corner=True)
     for even in (True, False):
@@ -250,7 +252,7 @@ def table(records: list[Record]) -> str:
     """Records as lines of text."""
     lines = [
         f"{'case':18}{'n':>8}{'ranks':>6}{'s':>9}{'M el.-steps/s':>14}{'imbalance':>10}"
-        f"{'ghosts':>8}{'B/step':>9}{'apart m':>10}  same bits"
+        f"{'ghosts':>8}{'pairs':>9}{'B/step':>9}{'apart m':>10}  same bits"
     ]
     for r in records:
         e = r.extra
@@ -260,7 +262,8 @@ def table(records: list[Record]) -> str:
         lines.append(
             f"{r.name:18}{r.n:8d}{r.ranks:6d}{median(r.seconds):9.3f}"
             f"{e['element_steps_per_s'] / 1e6:14.1f}{e['imbalance']:10.2f}"
-            f"{e['ghosts_a_rank']:8.0f}{sends:>9}{apart:>10}  {e.get('same_bits', '')}{note}"
+            f"{e['ghosts_a_rank']:8.0f}{e['neighbours_a_rank']:9.0f}{sends:>9}{apart:>10}"
+            f"  {e.get('same_bits', '')}{note}"
         )
     return "\n".join(lines)
 

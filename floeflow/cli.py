@@ -15,7 +15,7 @@ import typer
 from floeflow.analysis import documents, input_check
 from floeflow.analysis.estimate.command import tell
 from floeflow.analysis.plan import command as plan_command
-from floeflow.analysis.resolve import resolve_scene
+from floeflow.analysis.resolve import checked_scene
 from floeflow.analysis.single_column import run as column_command
 from floeflow.core.errors import FloeError, answer, answer_quietly
 from floeflow.report.run_so_far import report_so_far
@@ -45,19 +45,19 @@ def run(
     ] = 0,
 ) -> None:
     """Run a scene on this machine with Snakemake and write its report."""
-    _end(partial(_run, scene, cores))
-
-
-def _run(scene: Path, cores: int) -> str:
     if not (PROJECT / "Snakefile").is_file():
-        raise FloeError(
-            "'floeflow run' needs a checkout of the project: the workflow is no part of the wheel"
-        )
+        _end(_no_workflow)
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
     command += ["--profile", str(PROJECT / "workflows/profiles/local")]
     command += ["--cores", str(cores)] if cores else []
     code = subprocess.run([*command, "--config", f"scene={scene}"], check=False).returncode
     raise typer.Exit(code)
+
+
+def _no_workflow() -> str:
+    raise FloeError(
+        "'floeflow run' needs a checkout of the project: the workflow is no part of the wheel"
+    )
 
 
 @app.command()
@@ -72,7 +72,7 @@ def check(
 
 
 def _check(path: Path, plot: Path | None) -> str:
-    scene = resolve_scene(path)
+    scene = checked_scene(path)
     said = [f"{path}: scene '{scene.name}' with {', '.join(scene.effects)}"]
     said.append(input_check.say(input_check.find_inputs(scene)))
     if plot is not None:

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-2.0-or-later
-# Proves the two commands where nothing of FloeFlow's is: makes a bare Debian 12 in a folder, puts
-# git, make and a clone of the last commit into it, and there runs `make run`, `make run` again,
+# Proves the two commands where nothing of FloeFlow's is: makes a bare Debian 12 in a folder, or the
+# release that SUITE= names (trixie), puts git, make and a clone of the last commit into it, and there runs `make run`, `make run` again,
 # which must do nothing, and `make test`. Prints what each took. Needs root, mmdebstrap and 4 GB
 # under TMPDIR; KEEP=1 leaves the folder. The host's own ways to the network go along: resolv.conf,
 # apt's sources and proxies, pip's configuration, certificates.
@@ -11,6 +11,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 bundle=/etc/ssl/certs/ca-certificates.crt
 project=/root/floeflow
+suite=${SUITE:-bookworm}
 
 # ---- inside a mount namespace of its own: whatever ends this, its mounts end with it ------------
 
@@ -74,7 +75,7 @@ get_mmdebstrap() {
 sources() {
     local file
     for file in /etc/apt/sources.list.d/debian.sources /etc/apt/sources.list; do
-        if grep -q -s -E '^[^#]*bookworm' "$file"; then
+        if grep -q -s -E "^[^#]*$suite" "$file"; then
             echo "$file"
             return
         fi
@@ -86,8 +87,8 @@ make_debian() {
     from=$(sources)
     apt-config dump | grep -E '^Acquire::(https?::|ForceIPv|Retries|Check-)' >"$fresh.apt" || :
     mmdebstrap --quiet --mode=root --variant=apt --include=git,make,ca-certificates \
-        --aptopt="$fresh.apt" bookworm "$fresh" ${from:+"$from"} ||
-        fail "mmdebstrap could not make a Debian 12 in $fresh."
+        --aptopt="$fresh.apt" "$suite" "$fresh" ${from:+"$from"} ||
+        fail "mmdebstrap could not make a Debian ($suite) in $fresh."
 }
 
 copy_file() { # from the host, to the bare Debian
@@ -113,7 +114,7 @@ outside() {
     fresh=$(mktemp -d "${TMPDIR:-/tmp}/floeflow-fresh.XXXXXX")
     trap remove EXIT
     chmod 755 "$fresh" # apt fetches as a user of its own
-    say "makes a bare Debian 12 in $fresh"
+    say "makes a bare Debian ($suite) in $fresh"
     make_debian
     take_along
     unshare --mount --fork --kill-child -- "$root/setup/fresh.sh" inside "$fresh"

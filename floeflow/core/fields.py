@@ -255,7 +255,10 @@ def read_unpacked(
         For values that cannot be unpacked.
     """
     raw = _stored(data, name, layout, times, path, level)
-    found = unpack(raw, data[name].attrs)
+    try:
+        found = unpack(raw, data[name].attrs)
+    except FloeError as error:
+        raise FloeError(f"{path}: variable '{name}': {error}") from None
     flags = {kind: _ordered(hit, source).astype(bool) for kind, hit in found.flags.items()}
     return Values(_ordered(found.values, source), flags, found.rounding)
 

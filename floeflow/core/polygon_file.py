@@ -50,6 +50,8 @@ def read_polygons(path: str | Path, crs: str) -> list[tuple[shapely.Geometry, di
     """
     path = Path(path)
     try:
+        if path.exists() and not path.is_file():
+            raise FloeError(f"{path}: is no file of polygons, but a folder, a pipe or a device")
         if path.stat().st_size > MAX_BYTES:
             raise FloeError(f"{path}: polygons of over {MAX_BYTES} bytes are not read")
         shapes = path.suffix.lower() == SHAPEFILE

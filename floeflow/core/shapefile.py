@@ -63,13 +63,11 @@ def read_shapefile(path: Path) -> list[shapely.Geometry]:
 
 def _projection(path: Path) -> pyproj.CRS:
     beside = path.with_suffix(".prj")
+    if not beside.is_file():
+        raise FloeError(f"{path}: needs {beside.name} beside it, which names its projection")
     try:
         return pyproj.CRS.from_wkt(beside.read_text("utf-8"))
-    except OSError:
-        raise FloeError(
-            f"{path}: needs {beside.name} beside it, which names its projection"
-        ) from None
-    except (pyproj.exceptions.CRSError, UnicodeDecodeError):
+    except (OSError, pyproj.exceptions.CRSError, UnicodeDecodeError):
         raise FloeError(f"{beside}: names no projection that is known") from None
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from floeflow.core import cf_reading as cf
 from floeflow.core import units
+from floeflow.core.errors import FloeError
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -80,11 +81,17 @@ def unpack(raw: NDArray[Any], attrs: Mapping[str, Any]) -> Values:
         As stored.
     attrs : mapping
         The variable's CF attributes; ``floeflow_flags`` adds pairs of number and meaning.
+
+    Raises
+    ------
+    FloeError
+        Where its packing is not by numbers.
     """
     stored = _unsigned(raw, attrs)
     packed = "scale_factor" in attrs or "add_offset" in attrs
-    scale = float(np.asarray(attrs.get("scale_factor", 1.0)).reshape(-1)[0])
-    offset = float(np.asarray(attrs.get("add_offset", 0.0)).reshape(-1)[0])
+    scale, offset = _number(attrs, "scale_factor", 1.0), _number(attrs, "add_offset", 0.0)
+    if scale == 0.0:
+        raise FloeError("its scale_factor is 0, so nothing is known of its values")
     whole = stored.dtype.kind in "iu"
     values = np.asarray(stored, dtype=np.float64)
     bad = ~np.isfinite(values)
@@ -111,6 +118,18 @@ def unpack(raw: NDArray[Any], attrs: Mapping[str, Any]) -> Values:
     out[bad] = np.nan
     rounding = 0.5 * abs(scale) if packed and whole else 0.0
     return Values(out, {k: v for k, v in flags.items() if k != WATER}, rounding)
+
+
+def _number(attrs: Mapping[str, Any], name: str, default: float) -> float:
+    """A number of the packing."""
+    given = np.asarray(attrs.get(name, default)).reshape(-1)
+    try:
+        number = float(given[0]) if given.size == 1 else np.nan
+    except (TypeError, ValueError):
+        number = np.nan
+    if not np.isfinite(number):
+        raise FloeError(f"its {name} is {str(attrs[name])[:60]!r}, which is no number")
+    return number
 
 
 def flag_variable(

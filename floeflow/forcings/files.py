@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import glob
 import hashlib
+import shutil
 import zipfile
+import zlib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -98,10 +100,12 @@ def unzip(path: Path, folder: Path = UNPACKED) -> list[Path]:
                     continue
                 target = into / name
                 if not target.is_file():
-                    with write_atomically(target) as temporary:
-                        Path(temporary).write_bytes(archive.read(item))
+                    with archive.open(item) as packed, write_atomically(target) as temporary:
+                        # Piece by piece: a record of years does not fit into the memory.
+                        with temporary.open("wb") as data:
+                            shutil.copyfileobj(packed, data)
                 found.append(target)
-    except (OSError, zipfile.BadZipFile, RuntimeError) as error:
+    except (OSError, EOFError, zipfile.BadZipFile, RuntimeError, zlib.error) as error:
         raise FloeError(f"{path}: cannot be unpacked ({type(error).__name__})") from None
     if not found:
         raise FloeError(f"{path}: holds no NetCDF or GRIB file")

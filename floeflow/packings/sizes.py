@@ -63,7 +63,8 @@ def relative_size(
     if keys.polygons:
         for polygon, properties in read_polygons(keys.polygons, crs):
             wanted = properties.get("size")
-            if not isinstance(wanted, int | float) or not 0 < wanted <= 1:
+            truth = isinstance(wanted, bool)
+            if truth or not isinstance(wanted, int | float) or not 0 < wanted <= 1:
                 raise FloeError(
                     f"{keys.polygons}: each polygon needs a property 'size' above 0 and up to 1, "
                     f"the relative size of elements in it (got {wanted!r})"

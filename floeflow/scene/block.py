@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+from datetime import date, datetime
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
 
 # No path or paragraph is longer.
 LONGEST_TEXT = 4000
@@ -45,3 +47,34 @@ class Block(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, str_max_length=LONGEST_TEXT
     )
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _is_meant(cls, value: Any, info: ValidationInfo) -> Any:
+        """Refuse what pydantic would take for something else: 1 for yes, seconds for a date."""
+        kind = cls.model_fields[str(info.field_name)].annotation
+        if kind is datetime and not isinstance(value, date) and not _says_a_date(value):
+            raise PydanticCustomError(
+                "date", "Input should be a date, such as 1981-12-31 or 1981-12-31 06:00"
+            )
+        if kind is not bool and _holds_truth(value):
+            raise PydanticCustomError("truth", "Input should not be a truth value")
+        return value
+
+
+def _says_a_date(value: Any) -> bool:
+    """Whether a value is text that is no mere number, which would count seconds."""
+    if not isinstance(value, str):
+        return False
+    try:
+        float(value)
+    except ValueError:
+        return True
+    return False
+
+
+def _holds_truth(value: Any) -> bool:
+    """Whether a value, or an item of a list of lists, is true or false."""
+    if isinstance(value, list | tuple):
+        return any(_holds_truth(item) for item in value)
+    return isinstance(value, bool)

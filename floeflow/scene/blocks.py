@@ -11,7 +11,7 @@ import math
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import PrivateAttr, StringConstraints, WithJsonSchema, model_validator
+from pydantic import Field, PrivateAttr, StringConstraints, WithJsonSchema, model_validator
 
 from floeflow.core.period import Period
 from floeflow.scene.block import Block, key
@@ -35,6 +35,10 @@ EffectNames = Annotated[
 
 # No projection of the earth reaches further (m).
 FARTHEST = 2.0e8
+Place = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
+# Nothing in air, sea or ice is faster (m/s).
+Speed = Annotated[float, Field(ge=-100, le=100)]
+Velocity = tuple[Speed, Speed]
 
 
 class Domain(Block):
@@ -274,11 +278,13 @@ class Cyclone(Block):
     """A travelling cyclone of Rankine form."""
 
     wind_speed: float = key(15.0, "Largest wind of the cyclone.", "m/s", ge=0, le=80)
-    radius: float = key(6.0e5, "Distance of the largest wind from the centre.", "m", gt=0)
-    x: float = key(-1.5e6, "Place of the centre at the start.", "m")
-    y: float = key(-5.0e5, "Place of the centre at the start.", "m")
-    u: float = key(5.0, "Speed of the centre.", "m/s")
-    v: float = key(1.0, "Speed of the centre.", "m/s")
+    radius: float = key(
+        6.0e5, "Distance of the largest wind from the centre.", "m", gt=0, le=FARTHEST
+    )
+    x: Place = key(-1.5e6, "Place of the centre at the start.", "m")
+    y: Place = key(-5.0e5, "Place of the centre at the start.", "m")
+    u: Speed = key(5.0, "Speed of the centre.", "m/s")
+    v: Speed = key(1.0, "Speed of the centre.", "m/s")
     inflow_angle: float = key(20.0, "Turn of the wind towards the centre.", "degree", ge=0, le=90)
 
 
@@ -286,9 +292,11 @@ class Gyre(Block):
     """A steady gyre in the ocean."""
 
     current_speed: float = key(0.08, "Largest current of the gyre.", "m/s", ge=0, le=3)
-    radius: float = key(6.0e5, "Distance of the largest current from the centre.", "m", gt=0)
-    x: float = key(-9.0e5, "Centre of the gyre.", "m")
-    y: float = key(1.0e6, "Centre of the gyre.", "m")
+    radius: float = key(
+        6.0e5, "Distance of the largest current from the centre.", "m", gt=0, le=FARTHEST
+    )
+    x: Place = key(-9.0e5, "Centre of the gyre.", "m")
+    y: Place = key(1.0e6, "Centre of the gyre.", "m")
     clockwise: bool = key(True, "Turns clockwise, as the Beaufort Gyre does.")
 
 
@@ -427,13 +435,25 @@ class Dynamics(Block):
         0.3, "Damping of unbonded contact, as a share of critical.", "1", ge=0, le=2
     )
     ridge_force: float = key(
-        26126.0, "Ridging force per contact length and ridge thickness, thin ice.", "N/m2", gt=0
+        26126.0,
+        "Ridging force per contact length and ridge thickness, thin ice.",
+        "N/m2",
+        gt=0,
+        le=1e12,
     )
     ridge_hardening: float = key(
-        928.0, "Growth of that force with closing, per ridge thickness squared.", "N/m4", ge=0
+        928.0,
+        "Growth of that force with closing, per ridge thickness squared.",
+        "N/m4",
+        ge=0,
+        le=1e12,
     )
     ridge_thickness: float = key(
-        0.3, "Ridge thickness from which on ice is crushed (compressive_strength).", "m", gt=0
+        0.3,
+        "Ridge thickness from which on ice is crushed (compressive_strength).",
+        "m",
+        gt=0,
+        le=1e3,
     )
     lead_softening: float = key(
         20.0,
@@ -453,7 +473,7 @@ class Dynamics(Block):
     strength: Literal["constant", "kovacs_sodhi"] = key(
         "constant", "Compressive strength: constant, or 1285 kPa (h / 1 m)^(2/3)."
     )
-    compressive_strength: float = key(1.0e5, "Compressive strength of a bond.", "Pa", gt=0)
+    compressive_strength: float = key(1.0e5, "Compressive strength of a bond.", "Pa", gt=0, le=1e9)
     tensile_share: float = key(
         0.2, "Tensile strength as a share of the compressive.", "1", gt=0, le=1
     )
@@ -472,7 +492,11 @@ class Dynamics(Block):
     )
     relative_wind: bool = key(False, "Wind stress from the wind relative to the ice.")
     minimum_thickness: float = key(
-        5.0e-2, "Elements with less ice than this move as if they had this much.", "m", gt=0, le=0.1
+        5.0e-2,
+        "Elements with less ice than this move as if they had this much.",
+        "m",
+        ge=1e-4,
+        le=0.1,
     )
     deterministic: bool = key(
         False,
@@ -489,7 +513,10 @@ class Dynamics(Block):
         return softened(data) if isinstance(data, dict) else data
 
 
-Velocity = tuple[float, float]
+# Part of a vector of any length, and places on the earth (degree).
+Normal = Annotated[float, Field(ge=-1e6, le=1e6)]
+Longitude = Annotated[float, Field(ge=-360, le=360)]
+Latitude = Annotated[float, Field(ge=-90, le=90)]
 
 
 class Walls(Block):
@@ -502,7 +529,7 @@ class Walls(Block):
     right_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
     bottom_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
     top_velocity: Velocity = key((0.0, 0.0), "Velocity of that wall in x and y.", "m/s")
-    planes: tuple[tuple[float, float, float, float, float, float], ...] = key(
+    planes: tuple[tuple[Place, Place, Normal, Normal, Speed, Speed], ...] = key(
         (),
         "Further endless walls, each as [x, y, normal_x, normal_y, u, v]: a point, the side of the "
         "ice, a velocity.",
@@ -539,7 +566,7 @@ class Column(Block):
         "step, layers and categories; or as in Icepack, to compare (docs/theory/column_ponds.md).",
     )
     layers: int = key(7, "Layers of ice (bl99, mushy).", ge=2, le=50)
-    step: float = key(3600.0, "Longest time step of the column.", "s", gt=0)
+    step: float = key(3600.0, "Longest time step of the column.", "s", ge=1)
     splitting: Literal["after", "around"] = key(
         "after",
         "Column after the dynamics of each window (first order in the window), or half before and "
@@ -611,7 +638,7 @@ class Gates(Block):
     """Lines over which passing ice is counted (read with the effect gates)."""
 
     names: tuple[PlainName, ...] = key((), "A name for each gate.")
-    lines: tuple[tuple[float, float, float, float], ...] = key(
+    lines: tuple[tuple[Longitude, Latitude, Longitude, Latitude], ...] = key(
         (),
         "Ends of each gate as [longitude, latitude, longitude, latitude]; what passes to the "
         "right, as seen from the first end to the second, counts as positive.",

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from floeflow.scene.blocks import Scene
 
 MAX_CELLS = 4_000_000
+# Values of a quantity of the forcing in a window, 0.4 GB.
+MAX_FORCING = 50_000_000
 # Mush of fresher water holds liquid that nothing freezes (1e-3).
 LEAST_SALINITY = 0.5
 
@@ -45,6 +47,9 @@ def check_combinations(scene: Scene) -> None:
         raise FloeError("gates.names names a gate twice")
     if len(scene.gates.names) != len(scene.gates.lines):
         raise FloeError("gates.names and gates.lines must be as many")
+    for name, line in zip(scene.gates.names, scene.gates.lines, strict=True):
+        if line[:2] == line[2:]:
+            raise FloeError(f"gates.lines: the gate '{name}' ends where it begins")
     if "gates" in scene.effects and not scene.gates.names:
         raise FloeError("effects: 'gates' is named but gates.names names none")
     if "grounding" in scene.effects and not (scene.grounding.file or scene.grounding.depth):
@@ -161,13 +166,18 @@ def _check_domain(scene: Scene) -> None:
                 f"domain.spacing ({domain.spacing:g} m) must divide the scene's width in {axis} "
                 f"({high - low:g} m) into two cells or more"
             )
-    size = (domain.x_max - domain.x_min) * (domain.y_max - domain.y_min)
-    cells = size / (domain.spacing / scene.mask.refine) ** 2
+    cells = _cells(scene) * scene.mask.refine**2
     if cells > MAX_CELLS:
         raise FloeError(
             f"domain.spacing and mask.refine ask for {cells:.3g} mask cells; at most "
             f"{MAX_CELLS:g} are allowed"
         )
+
+
+def _cells(scene: Scene) -> float:
+    """Number of cells of the scene's grid."""
+    domain = scene.domain
+    return (domain.x_max - domain.x_min) * (domain.y_max - domain.y_min) / domain.spacing**2
 
 
 def _check_times(scene: Scene) -> None:
@@ -181,6 +191,12 @@ def _check_times(scene: Scene) -> None:
         if not math.isclose(steps, round(steps), rel_tol=1e-12) or round(steps) < 1:
             raise FloeError(
                 f"forcing.step ({scene.forcing.step:g} s) must divide time.window ({window:g} s)"
+            )
+        if steps * _cells(scene) > MAX_FORCING:
+            raise FloeError(
+                f"forcing.step ({scene.forcing.step:g} s) and domain.spacing ask for "
+                f"{steps * _cells(scene):.3g} numbers of each quantity in a window; at most "
+                f"{MAX_FORCING:g} are allowed"
             )
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Hashable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
@@ -22,6 +23,10 @@ MAX_BYTES = 1_000_000
 MAX_BITS = 64
 # Faults of a number out of its range, which is told with the key's unit.
 _BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
+# Aliases of aliases may stand for more values than any memory holds.
+MOST_VALUES = 100_000
+# Numbers of YAML 1.1 that are hardly meant: 0500 is 320, and 1:30 is 90.
+OTHER_BASE = re.compile(r"[-+]?(?:0[0-9_]+$|[0-9_]+(:))")
 KINDS = {"int": "whole number", "float": "number", "bool": "truth value", "timestamp": "date"}
 
 # Picks the effects of a scene with ``effects: auto``: `floeflow.analysis.resolve` has one.
@@ -29,7 +34,14 @@ Chooser = Callable[[Scene], tuple[str, ...]]
 
 
 class _SceneLoader(yaml.SafeLoader):
-    """Safe YAML that refuses a key given twice and all anchors' merge keys."""
+    """Safe YAML that refuses a key given twice and numbers that are not what they seem."""
+
+    def get_single_node(self) -> yaml.Node | None:
+        """Compose the document, whose aliases may not hold themselves or stand for too much."""
+        node = super().get_single_node()
+        if node is not None and _values(node, {}) > MOST_VALUES:
+            raise FloeError(f"aliases stand for more than {MOST_VALUES} values")
+        return node
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         """Construct a mapping.
@@ -58,12 +70,33 @@ class _SceneLoader(yaml.SafeLoader):
             raise FloeError(_at(node, f"is not a {kind}{why}")) from None
         if isinstance(value, int) and value.bit_length() > MAX_BITS:
             raise FloeError(_at(node, "is a number of too many digits"))
+        if type(value) in (int, float) and (mark := OTHER_BASE.match(str(node.value))):
+            how = "base 60: write seconds" if mark[1] else "octal: leave the leading zero out"
+            raise FloeError(_at(node, f"is {value:g} to YAML, as {how}"))
         if isinstance(value, str):
             try:
                 value.encode()
             except UnicodeEncodeError:
                 raise FloeError(_at(node, "holds half of a character")) from None
         return value
+
+
+def _values(node: yaml.Node, known: dict[int, int]) -> int:
+    """Number of values under a node, with those that aliases stand for.
+
+    Raises
+    ------
+    FloeError
+        Where an alias holds itself; names the line of its anchor.
+    """
+    if id(node) not in known:
+        known[id(node)] = -1
+        parts = node.value if isinstance(node, yaml.CollectionNode) else []
+        flat = [part for pair in parts for part in (pair if isinstance(pair, tuple) else (pair,))]
+        known[id(node)] = 1 + sum(_values(part, known) for part in flat)
+    if known[id(node)] < 0:
+        raise FloeError(f"line {node.start_mark.line + 1}: this value holds an alias of itself")
+    return known[id(node)]
 
 
 def _at(node: yaml.Node, fault: str) -> str:
@@ -103,9 +136,14 @@ def load_scene(path: str | Path, choose: Chooser | None = None) -> Scene:
 
 def _read(path: Path) -> bytes:
     try:
-        raw = path.read_bytes()
-    except OSError as error:
-        reason = error.strerror or type(error).__name__
+        # A pipe would wait for a writer for ever, a device never ends.
+        if path.exists() and not path.is_file():
+            kind = "a folder" if path.is_dir() else "a pipe or a device"
+            raise FloeError(f"{path}: the scene cannot be read: it is no file, but {kind}")
+        with path.open("rb") as file:
+            raw = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
         raise FloeError(f"{path}: the scene cannot be read: {reason}") from None
     if len(raw) > MAX_BYTES:
         raise FloeError(f"{path}: a scene of over {MAX_BYTES} bytes is no scene")

@@ -13,8 +13,6 @@ import contextlib
 import json
 import os
 import sys
-import tempfile
-import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +24,7 @@ from floeflow.analysis.resolve import resolve_scene
 from floeflow.analysis.studies.plans import study_variants
 from floeflow.analysis.studies.variants import variant_scene
 from floeflow.core.atomic_write import write_text
-from floeflow.core.errors import FloeError
+from floeflow.core.errors import FloeError, unexpected
 from floeflow.core.lock import claim_scene, clear_stale_locks, join_run, run_id
 from floeflow.core.mesh_check import check_mesh_file
 from floeflow.core.plugin import plugin_path
@@ -371,14 +369,7 @@ def refused_in_a_sentence(name: str) -> Iterator[None]:
     except FloeError as error:
         _leave(str(error))
     except Exception as error:
-        with tempfile.NamedTemporaryFile(
-            "w", prefix="floeflow-", suffix=".log", delete=False, encoding="utf-8"
-        ) as log:
-            traceback.print_exc(file=log)
-        _leave(
-            f"{name} could not be read ({type(error).__name__}: {str(error)[:200]}); this is a "
-            f"fault of the program, please report it with {log.name}"
-        )
+        _leave(f"{name}: {unexpected(error)}")
 
 
 def _leave(sentence: str) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 import yaml
 
+from floeflow.analysis import reading_process
 from floeflow.core.errors import FloeError
 from floeflow.coupling.chunk import Chunk, run_chunk
 from floeflow.coupling.origin import provenance, window_keys
@@ -85,7 +86,7 @@ def test_a_file_with_a_loop_in_it_is_read_for_a_while_only(
 ):
     """`loop.nc` is a good file with some bytes changed; the HDF5 library reads it for ever."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(input_guard, "LEAST_SECONDS", 6)
+    monkeypatch.setattr(reading_process, "LEAST_SECONDS", 6)
     shutil.copy(HERE / "loop.nc", "loop.nc")
     mine = parse_scene(b"effects: [wind]\nmask: {file: loop.nc, land: none}\n", "a")
     with pytest.raises(FloeError, match=r"loop.nc or the forcing took more than 7 s"):

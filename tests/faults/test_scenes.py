@@ -27,7 +27,8 @@ LOOKING = SimpleNamespace(
 
 
 def long(text: str) -> str:
-    """The case's text, its mark of length filled in."""
+    """The case's text, its marks of length filled in."""
+    text = text.replace("{many}", ", ".join(["w"] * 20_000))
     head, mark, tail = text.partition("{long}")
     return head + 5000 * tail[:1] + tail[1:] if mark else text
 
@@ -56,6 +57,35 @@ def test_a_faulty_scene_is_refused_in_a_sentence(
     path = tmp_path / "scene.yaml"
     path.write_text(long(case["scene"]) + "\n")
     assert case["says"] in said(path, capsys, {})
+
+
+@pytest.mark.parametrize(
+    ("raw", "says"),
+    [
+        ("seed: 7\n".encode("utf-16"), "byte 1 is not UTF-8 text"),
+        ("report: {title: Glück}\n".encode("latin-1"), "byte 19 is not UTF-8 text"),
+        (b"\xef\xbb\xbfseed: 7\r\nsede: 7\r\n", "unknown key 'sede'"),
+    ],
+)
+def test_scenes_of_other_encodings(
+    raw: bytes, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """Byte-order marks and line ends of other systems are none of a scene's faults."""
+    (tmp_path / "scene.yaml").write_bytes(raw)
+    assert says in said(tmp_path / "scene.yaml", capsys, {})
+
+
+def test_a_scene_that_is_no_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """A pipe would be waited for, and a device read, for ever."""
+    os.mkfifo(tmp_path / "pipe.yaml")
+    assert "it is no file, but a pipe" in said(tmp_path / "pipe.yaml", capsys, {})
+    assert "it is no file, but a pipe or a device" in said(Path("/dev/zero"), capsys, {})
+    assert "it is no file, but a folder" in said(tmp_path, capsys, {})
+    (tmp_path / "loop.yaml").symlink_to("loop.yaml")
+    assert "Too many levels of symbolic links" in said(tmp_path / "loop.yaml", capsys, {})
+    for name in ("my scene", "größe", "-dash", "x" * 65):
+        (tmp_path / f"{name}.yaml").write_text("seed: 1\n")
+        assert "is no plain name" in said(tmp_path / f"{name}.yaml", capsys, {})
 
 
 def test_a_fault_of_the_program_is_told_with_its_log(

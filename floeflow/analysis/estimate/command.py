@@ -8,7 +8,7 @@ from pathlib import Path
 
 from floeflow.analysis.estimate import choose
 from floeflow.analysis.estimate.conditions import conditions
-from floeflow.analysis.resolve import resolve_scene
+from floeflow.analysis.resolve import checked_scene
 
 
 def tell(path: Path, as_json: bool = False) -> str:
@@ -31,7 +31,7 @@ def tell(path: Path, as_json: bool = False) -> str:
     FloeError
         For a scene or input that is refused.
     """
-    scene = resolve_scene(path)
+    scene = checked_scene(path)
     c = conditions(scene)
     rows = choose.scene_estimates(scene)
     wanted = choose.choose(scene)

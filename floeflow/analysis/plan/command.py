@@ -15,7 +15,7 @@ from floeflow.analysis.plan.pack import fitted_to_pack
 from floeflow.analysis.plan.precision import PRECISION, error_model
 from floeflow.analysis.plan.propose import Proposal, for_budget, for_error, parse_budget, proposals
 from floeflow.analysis.plan.refit import refit
-from floeflow.analysis.resolve import resolve_scene
+from floeflow.analysis.resolve import checked_scene
 from floeflow.core.errors import FloeError, answer_quietly
 
 
@@ -49,7 +49,7 @@ def _plan(given: argparse.Namespace) -> str:
         raise FloeError("name a scene file")
     if given.ranks < 1:
         raise FloeError(f"--ranks {given.ranks}: one rank at least")
-    scene = resolve_scene(given.scene)
+    scene = checked_scene(given.scene)
     c = conditions(scene)
     fit = fitted_to_pack(scene, c, coefficients())
     found = proposals(scene, c, given.ranks, fit, error_model())

@@ -20,6 +20,8 @@ from floeflow.core.errors import FloeError
 from floeflow.core.extensions import load_extensions
 from floeflow.core.readers import geotiff, grib, netcdf, nsidc, png, zarr_store
 
+# What every reader of attributes takes for text.
+TEXTS = {"standard_name", "units", "long_name", "calendar", "positive", "axis", "cell_methods"}
 # In the order in which they are asked; NetCDF is the last resort and says what is wrong.
 READERS: tuple[ModuleType, ...] = (zarr_store, grib, geotiff, png, nsidc, netcdf)
 
@@ -72,10 +74,21 @@ def open_raw(path: str | Path) -> xr.Dataset:
         raise FloeError(f"{path}: is no file, but a pipe or a device")
     load_extensions()
     own = (Reader(reader.opens, reader.open_raw) for reader in READERS)
-    for reader in (*_ADDED, *own):
-        if reader.opens(path):
-            return reader.open_raw(path)
+    try:
+        for reader in (*_ADDED, *own):
+            if reader.opens(path):
+                return _with_texts(reader.open_raw(path))
+    except OSError as error:
+        raise FloeError(f"{path}: cannot be read: {error.strerror or error}") from None
     raise FloeError(f"{path}: is a folder, and no Zarr store")
+
+
+def _with_texts(data: xr.Dataset) -> xr.Dataset:
+    """Attributes that CF has as text, as text: a damaged file may hold numbers there."""
+    for item in data.variables.values():
+        for name in TEXTS & item.attrs.keys():
+            item.attrs[name] = str(item.attrs[name])
+    return data
 
 
 __all__ = ["READERS", "add_reader", "open_raw"]

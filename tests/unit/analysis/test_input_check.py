@@ -13,6 +13,7 @@ import yaml
 from PIL import Image
 from typer.testing import CliRunner
 
+from floeflow.analysis import reading_process
 from floeflow.analysis.input_check import find_inputs, say
 from floeflow.cli import app
 from floeflow.core.errors import FloeError
@@ -108,7 +109,7 @@ def test_the_guard_says_what_the_checks_say(
     assert len(passed) == 1
     # What passed is not read again as long as nothing changes.
     with monkeypatch.context() as patch:
-        patch.setattr(input_guard.subprocess, "run", None)
+        patch.setattr(reading_process.subprocess, "run", None)
         input_guard.check_inputs(scene, set())
     lonlat({"u10": (3.0, {"units": "m s-1"})}, np.arange(0.0, 49.0)).to_netcdf(tmp_path / "new.nc")
     (tmp_path / "new.nc").replace(tmp_path / "wind.nc")
@@ -124,7 +125,7 @@ def test_one_check_does_for_all_scenes_of_the_same_files(
     scene, passed = load_scene(scene_file), set[str]()
     input_guard.check_inputs(scene, passed, remember=False)
     assert len(passed) == 1 and not (tmp_path / "results").exists()
-    monkeypatch.setattr(input_guard.subprocess, "run", None)
+    monkeypatch.setattr(reading_process.subprocess, "run", None)
     member = scene.model_copy(update={"name": "member", "seed": 7})
     input_guard.check_inputs(member, passed, remember=False)
     longer = scene.time.model_copy(update={"windows": scene.time.windows + 1})
@@ -139,12 +140,12 @@ def test_a_reader_that_is_brought_down(
     """As by a damaged file in a C library: the sentence names the signal."""
     monkeypatch.chdir(tmp_path)
     crash = "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"
-    real = input_guard.subprocess.run
+    real = reading_process.subprocess.run
 
     def run(command: list[str], **more: object) -> object:
         return real([command[0], "-c", crash], **more)  # type: ignore[call-overload]
 
-    monkeypatch.setattr(input_guard.subprocess, "run", run)
+    monkeypatch.setattr(reading_process.subprocess, "run", run)
     with pytest.raises(FloeError, match=f"ended the reader \\({signal.SIGSEGV.name}\\)"):
         input_guard.check_inputs(load_scene(scene_file), set(), remember=False)
     assert not (tmp_path / "results").exists()

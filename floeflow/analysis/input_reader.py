@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The process that reads a scene's input files for `input_guard`.
+"""The process that reads a scene's input files for `reading_process`.
 
 A scene on its standard input; its seconds of processor time as the argument.
 """
