@@ -93,7 +93,15 @@ def is_growth(name: str) -> bool:
 
 
 def without(made: Mapping[str, Array], back: Returned) -> dict[str, Array]:
-    """Terms of the columns less what melted into the sea as a whole, each at its nearest place."""
+    """Terms of the columns less what melted into the sea as a whole, each at its nearest place.
+
+    Parameters
+    ----------
+    made : mapping
+        Places and terms (m3, m2) of the columns, (n,) each.
+    back : Returned
+        Ice that went back to the sea, with its places.
+    """
     if not len(back.x):
         return dict(made)
     tree = cKDTree(np.stack([made[name] for name in PLACE[:2]], axis=1))

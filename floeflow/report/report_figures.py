@@ -291,7 +291,15 @@ def analysis_pictures(easel: Easel, scene: Scene, data: xr.Dataset) -> Iterator[
 
 
 def packing_pictures(easel: Easel, packing: xr.Dataset) -> Iterator[Picture]:
-    """How the elements of the start are distributed."""
+    """How the elements of the start are distributed.
+
+    Parameters
+    ----------
+    easel : Easel
+        Where figures are written.
+    packing : xarray.Dataset
+        Elements of the start.
+    """
     for name, caption, figure in packing_figures(packing):
         yield easel.chart(name, caption, figure)
 

@@ -144,6 +144,10 @@ PYTHON = {
     "docs/export.md": "tests/unit/diagnostics/test_trajectory.py",
     "docs/how-to/coupling.md": "tests/unit/coupling/test_fluxes.py",
     "docs/how-to/read_results.md": "tests/unit/diagnostics/test_reading_page.py",
+    **{
+        f"docs/tutorials/{page}.md": "tests/workflow/test_tutorials.py"
+        for page in ("deformation", "first_scene", "liggghts", "own_data")
+    },
     "docs/tutorial_column.md": "tests/unit/analysis/test_single_column.py",
 }
 
