@@ -119,7 +119,7 @@ def test_documents_name_files_that_are_there(project: Path):
         if not (project / path).exists() and path.split("/")[0] not in made
     ]
     # A user writes these in the tutorials.
-    own = {f"config/scenes/{name}.yaml" for name in ("mine", "own_data", "storm")}
+    own = {f"config/scenes/{name}.yaml" for name in ("first", "mine", "own_data", "storm")}
     assert [entry for entry in lost if entry[1] not in own] == []
 
 
