@@ -85,7 +85,7 @@ def test_a_scene_that_is_no_file(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert "Too many levels of symbolic links" in said(tmp_path / "loop.yaml", capsys, {})
     for name in ("my scene", "größe", "-dash", "x" * 65):
         (tmp_path / f"{name}.yaml").write_text("seed: 1\n")
-        assert "is no plain name" in said(tmp_path / f"{name}.yaml", capsys, {})
+        assert "is not a plain name" in said(tmp_path / f"{name}.yaml", capsys, {})
 
 
 def test_a_fault_of_the_program_is_told_with_its_log(

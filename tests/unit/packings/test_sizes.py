@@ -110,8 +110,8 @@ def test_a_polygon_says_how_fine(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("{", "no GeoJSON"),
-        ('{"type": "Topology"}', "no GeoJSON of polygons"),
+        ("{", "not GeoJSON"),
+        ('{"type": "Topology"}', "not GeoJSON of polygons"),
         ('{"type": "FeatureCollection", "features": []}', "holds no polygon"),
         (
             '{"type": "Feature", "geometry": {"type": "Point", "coordinates": [0, 80]}}',
