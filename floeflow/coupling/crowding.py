@@ -8,6 +8,8 @@ goes to ridges with `redistribution`: volumes stay.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -23,15 +25,42 @@ from floeflow.transfer import Grid
 
 Array = NDArray[np.float64]
 
-# Shares smear areas over a cell or two; so much above the sea may be no more than that.
-SLACK = 0.02
+# Shares smear areas over a cell or two, and a remap spreads what is local over neighbours.
+SLACK = 0.1
 # Regions are so many elements wide. What they hold beyond their sea would be pushed out of them by
 # the next remap, from one to the other as far as the ice edge, so less of it may be.
 REGION, REGION_SLACK = 5.0, 0.001
+# Ice is as weak as this at least (m).
+THINNEST = 0.1
 
 
-def fitting(shares: Shares, grid: Grid, area: Array) -> Array:
-    """Share of what elements claim in each cell that the sea there and around it has room for.
+@dataclass(frozen=True)
+class Regions:
+    """Means over the surroundings of each cell of a grid.
+
+    Parameters
+    ----------
+    grid : Grid
+        The scene's grid.
+    width : float
+        Of the surroundings (m).
+    """
+
+    grid: Grid
+    width: float
+
+    def mean(self, cells: Array) -> Array:
+        """Mean of the cells around each one, those beyond the rim being 0, (cells,)."""
+        sides = [max(1, round(self.width / step)) for step in reversed(self.grid.spacing)]
+        field = cells.reshape(self.grid.shape)
+        return np.asarray(uniform_filter(field, sides, mode="constant")).ravel()
+
+
+def crowded(shares: Shares, grid: Grid, area: Array, thickness: Array) -> Array:
+    """Area of each element that the sea has no room for (m2), (n,).
+
+    What a region has too much is taken from its weak ice: the work of ridging grows with the
+    square of the thickness (Rothrock 1975), so an element gives by one over that.
 
     Parameters
     ----------
@@ -41,22 +70,21 @@ def fitting(shares: Shares, grid: Grid, area: Array) -> Array:
         The scene's grid.
     area : ndarray
         Effective areas of the elements (m2), (n,).
-
-    Returns
-    -------
-    ndarray
-        0 to 1, (cells,).
+    thickness : ndarray
+        Their ice (m3 per m2), (n,).
     """
-    fits = np.minimum((1.0 + SLACK) * shares.sea / np.maximum(shares.claimed, 1.0), 1.0)
     if not len(area):
-        return fits
-    wide = REGION * float(np.sqrt(area.mean()))
-    sides = [max(1, round(wide / step)) for step in reversed(grid.spacing)]
-    sea, claimed = (
-        uniform_filter(cells.reshape(grid.shape), sides, mode="constant").ravel()
-        for cells in (shares.sea, shares.claimed * fits)
-    )
-    return fits * np.minimum((1.0 + REGION_SLACK) * sea / np.maximum(claimed, 1.0), 1.0)
+        return np.zeros(0)
+    local = np.minimum((1.0 + SLACK) * shares.sea / np.maximum(shares.claimed, 1.0), 1.0)
+    closed = area * (1.0 - np.asarray(shares.matrix @ local))
+    regions = Regions(grid, REGION * float(np.sqrt(area.mean())))
+    sea, claimed = (regions.mean(cells) for cells in (shares.sea, shares.give(area - closed)))
+    fits = np.minimum((1.0 + REGION_SLACK) * sea / np.maximum(claimed, 1.0), 1.0)
+    wide = (area - closed) * (1.0 - np.asarray(shares.matrix @ fits))
+    weak = np.maximum(thickness, THINNEST) ** -2.0
+    even, uneven = (regions.mean(shares.give(amount)) for amount in (wide, wide * weak))
+    factor = np.divide(even, uneven, out=np.zeros_like(even), where=uneven > 0.0)
+    return closed + np.minimum(wide * weak * shares.read(factor), 0.5 * (area - closed))
 
 
 def close_crowded(
@@ -81,9 +109,9 @@ def close_crowded(
     mobile = np.flatnonzero(state["type"].values == MOBILE)
     x, y, area = (state[name].values[mobile] for name in ("x", "y", "area"))
     shares = build_shares(x, y, area, places.grid, places.area)
-    fits = fitting(shares, places.grid, area)
+    thickness = state["ice_volume"].values[mobile].sum(axis=1)
     closed = np.zeros(state.sizes["element"])
-    closed[mobile] = area * (1.0 - np.asarray(shares.matrix @ fits))
+    closed[mobile] = crowded(shares, places.grid, area, thickness)
     total = float(closed.sum())
     if total > 0.0:
         least = scene.dynamics.minimum_thickness
