@@ -213,8 +213,8 @@ def draw(grid: xr.Dataset, path: Path) -> None:
             axes[2].plot(number, EXTENT[month] * INSIDE[month], "k*", markersize=12)
     axes[2].plot([], [], "k*", label="extent observed, 1979 to 1990")
     axes[2].set_xticks(numbers, [str(month)[2:] for month in found.months], rotation=90)
-    axes[2].set_ylim(0.0)
-    axes[2].legend(frameon=False)
+    axes[2].set_ylim(0.0, 1.4 * float(found.volume.max()) / KM3 / 1e3)  # room for the legend
+    axes[2].legend(frameon=False, loc="upper right")
     figure.savefig(path, dpi=80)
 
 
