@@ -53,7 +53,7 @@ def test_slurm_ran_every_rule_and_the_windows_on_two_tasks(smoke: Done, slurm: P
     done = slurm.completed(smoke.place.folder)
     assert {job["JobState"] for job in done} == {"COMPLETED"}
     rules = {"land", "mask", "packing", "bonds", "initial", "estimate", "windows", "fields"}
-    assert {job["Name"] for job in done} == rules | {"grid", "diagnostics", "report"}
+    assert {job["Name"] for job in done} == rules | {"grid", "tendencies", "diagnostics", "report"}
     (windows,) = [job for job in done if job["Name"] == "windows"]
     assert windows["ProcCnt"] == "2"
     state = read_state(smoke.results / "state/0003.nc")
