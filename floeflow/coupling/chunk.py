@@ -175,6 +175,23 @@ def publish(chunk: Chunk) -> None:
         for window, folder in zip(chunk.windows[:-1], folders[:-1], strict=True):
             resume.link(folder / resume.STATE, chunk.folder / "state" / f"{window}.nc")
     resume.link(folders[-1] / resume.STATE, chunk.path("state"))
+    remove_shorter(chunk)
+
+
+def remove_shorter(chunk: Chunk) -> None:
+    """Remove what a shorter run published of the same windows; the states stay.
+
+    Whoever reads all files of a folder would count these windows twice.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        Windows that are published.
+    """
+    for window in chunk.windows[:-1]:
+        for kind in ("series", "elements", "fluxes", "fields"):
+            (chunk.folder / kind / f"{window}.nc").unlink(missing_ok=True)
+        (chunk.folder / "cost" / f"{window}.json").unlink(missing_ok=True)
 
 
 def join_series(series: list[xr.Dataset]) -> xr.Dataset:
