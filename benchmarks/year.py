@@ -52,14 +52,8 @@ def run(scene: Path, ranks: int) -> float:
 
 
 def chunks(folder: Path) -> list[xr.Dataset]:
-    """All files of a folder of a run, in order, with their times decoded.
-
-    A run that was made longer leaves the file of its last, shorter chunk: it does not count.
-    """
-    found = [xr.decode_cf(read_dataset(path)) for path in sorted(folder.glob("*.nc"))]
-    spans = [set(chunk["window"].values.tolist()) for chunk in found]
-    whole = [not any(span < other for other in spans) for span in spans]
-    return [chunk for chunk, counts in zip(found, whole, strict=True) if counts]
+    """All files of a folder of a run, in order, with their times decoded."""
+    return [xr.decode_cf(read_dataset(path)) for path in sorted(folder.glob("*.nc"))]
 
 
 @dataclass(frozen=True)

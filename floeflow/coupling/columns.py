@@ -343,5 +343,4 @@ def settle_open_ice(
         state, water, terms, back = settle_ice(state, water, found, places)
     else:
         water, terms, back = melt_back(water, icy(found), places)
-        terms["sea_melted_back"] = float(back.volume.sum())
     return with_water(state, water), terms, back

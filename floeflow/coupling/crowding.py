@@ -8,8 +8,6 @@ goes to ridges with `redistribution`: volumes stay.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -30,30 +28,25 @@ SLACK = 0.1
 # Regions are so many elements wide. What they hold beyond their sea would be pushed out of them by
 # the next remap, from one to the other as far as the ice edge, so less of it may be.
 REGION, REGION_SLACK = 5.0, 0.001
-# Ice is as weak as this at least (m).
+# Thinner ice is no weaker (m).
 THINNEST = 0.1
 
 
-@dataclass(frozen=True)
-class Regions:
-    """Means over the surroundings of each cell of a grid.
+def around(grid: Grid, width: float, cells: Array) -> Array:
+    """Mean of the cells of a grid around each one, those beyond the rim being 0.
 
     Parameters
     ----------
     grid : Grid
         The scene's grid.
     width : float
-        Of the surroundings (m).
+        Of the square around a cell (m).
+    cells : ndarray
+        Values, (cells,).
     """
-
-    grid: Grid
-    width: float
-
-    def mean(self, cells: Array) -> Array:
-        """Mean of the cells around each one, those beyond the rim being 0, (cells,)."""
-        sides = [max(1, round(self.width / step)) for step in reversed(self.grid.spacing)]
-        field = cells.reshape(self.grid.shape)
-        return np.asarray(uniform_filter(field, sides, mode="constant")).ravel()
+    sides = [max(1, round(width / step)) for step in reversed(grid.spacing)]
+    field = cells.reshape(grid.shape)
+    return np.asarray(uniform_filter(field, sides, mode="constant")).ravel()
 
 
 def crowded(shares: Shares, grid: Grid, area: Array, thickness: Array) -> Array:
@@ -77,12 +70,12 @@ def crowded(shares: Shares, grid: Grid, area: Array, thickness: Array) -> Array:
         return np.zeros(0)
     local = np.minimum((1.0 + SLACK) * shares.sea / np.maximum(shares.claimed, 1.0), 1.0)
     closed = area * (1.0 - np.asarray(shares.matrix @ local))
-    regions = Regions(grid, REGION * float(np.sqrt(area.mean())))
-    sea, claimed = (regions.mean(cells) for cells in (shares.sea, shares.give(area - closed)))
+    width = REGION * float(np.sqrt(area.mean()))
+    sea, claimed = (around(grid, width, v) for v in (shares.sea, shares.give(area - closed)))
     fits = np.minimum((1.0 + REGION_SLACK) * sea / np.maximum(claimed, 1.0), 1.0)
     wide = (area - closed) * (1.0 - np.asarray(shares.matrix @ fits))
     weak = np.maximum(thickness, THINNEST) ** -2.0
-    even, uneven = (regions.mean(shares.give(amount)) for amount in (wide, wide * weak))
+    even, uneven = (around(grid, width, shares.give(amount)) for amount in (wide, wide * weak))
     factor = np.divide(even, uneven, out=np.zeros_like(even), where=uneven > 0.0)
     return closed + np.minimum(wide * weak * shares.read(factor), 0.5 * (area - closed))
 

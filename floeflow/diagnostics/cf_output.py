@@ -234,13 +234,8 @@ def describe(
         _add_bands(data)
     _add_areas(data, *areas)
     _add_method(data, fields)
-    data.attrs = {
-        "Conventions": "CF-1.11",
-        "title": f"Sea ice of scene {scene.name}",
-        "source": f"FloeFlow {__version__}, sea-ice discrete element model",
-        "effects": " ".join(scene.effects),
-        "history": f"{HISTORY[scene.grid.transfer]} (floeflow.diagnostics.gridded)",
-    }
+    history = f"{HISTORY[scene.grid.transfer]} (floeflow.diagnostics.gridded)"
+    data.attrs = file_attributes(scene, f"Sea ice of scene {scene.name}", history)
     for name in map(str, data.variables):
         filled = name in DESCRIPTIONS
         data[name].encoding = {"_FillValue": MISSING if filled else None}
@@ -252,6 +247,42 @@ def describe(
             kind = DESCRIPTIONS[name].area_type if filled else None
             data[name].encoding["coordinates"] = f"lat lon {kind[0]}" if kind else "lat lon"
     return data
+
+
+def file_attributes(scene: Scene, title: str, history: str) -> dict[str, str]:
+    """Global attributes of a file of fields.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its effects are named.
+    title, history : str
+        What the file holds, and how that was made.
+    """
+    return {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "source": f"FloeFlow {__version__}, sea-ice discrete element model",
+        "effects": " ".join(scene.effects),
+        "history": history,
+    }
+
+
+def field_attributes(long_name: str, units: str, cell_methods: str) -> dict[str, str]:
+    """Attributes of a field on the grid, but for its standard name.
+
+    Parameters
+    ----------
+    long_name, units, cell_methods : str
+        As in the file.
+    """
+    return {
+        "long_name": long_name,
+        "units": units,
+        "cell_methods": cell_methods,
+        "cell_measures": "area: sea_area",
+        "grid_mapping": "crs",
+    }
 
 
 def _time_attributes(start: str) -> dict[str, str]:
@@ -281,13 +312,8 @@ def _add_field(data: xr.Dataset, name: str, values: Array) -> None:
     dims = ("time", "iceband", "y", "x") if said.bands else ("time", "y", "x")
     data[name] = (dims, said.scale * values[None])
     data[name].attrs = {"standard_name": said.standard_name} if said.standard_name else {}
-    data[name].attrs |= {
-        "long_name": said.long_name,
-        "units": said.units,
-        "cell_methods": f"{said.mean} time: point".strip(),
-        "cell_measures": "area: sea_area",
-        "grid_mapping": "crs",
-    }
+    method = f"{said.mean} time: point".strip()
+    data[name].attrs |= field_attributes(said.long_name, said.units, method)
     if said.area_type:
         kind, word = said.area_type
         data[kind] = ((), np.array(word, dtype=object), {"standard_name": "area_type"})

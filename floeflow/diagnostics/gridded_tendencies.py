@@ -17,12 +17,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from floeflow import __version__
 from floeflow.core.constants import ICE_DENSITY
 from floeflow.core.errors import FloeError
-from floeflow.diagnostics.cf_output import MISSING, OF_SEA
+from floeflow.diagnostics.cf_output import MISSING, field_attributes, file_attributes
 from floeflow.diagnostics.collect import read_grid
 from floeflow.diagnostics.gridded import hat_reach, sea_room
+from floeflow.diagnostics.tendencies import METHOD
 from floeflow.scene import Scene
 from floeflow.transfer import ROOM, Field, Grid, Room, build_remapper, carry, near_cells
 
@@ -90,7 +90,6 @@ TENDENCIES = {
         units="s-1",
     ),
 }
-METHOD = f"{OF_SEA} time: mean"
 # What dynamics and thermodynamics share.
 CHANGING = ("simass", "siconc")
 # What a file of fields says of its grid.
@@ -243,26 +242,15 @@ def _described(scene: Scene, fields: xr.Dataset, made: Mapping[str, list[Array]]
             data[name].attrs.pop("coordinates", None)
     data = data.set_coords([name for name in ("lat", "lon") if name in data])
     number = fields["window"].values[1:]
-    said = {"long_name": "number of the coupling window", "units": "1"}
-    data["window"] = ("time", number, said)
+    data["window"] = ("time", number, dict(fields["window"].attrs))
     for name, values in made.items():
         described = TENDENCIES[name]
         data[name] = (("time", "y", "x"), np.stack(values))
-        data[name].attrs = {
-            "standard_name": described.standard_name,
-            "long_name": described.long_name,
-            "units": described.units,
-            "cell_methods": METHOD,
-            "cell_measures": "area: sea_area",
-            "grid_mapping": "crs",
-        }
-    data.attrs = {
-        "Conventions": "CF-1.11",
-        "title": f"Tendencies of the sea ice of scene {scene.name}",
-        "source": f"FloeFlow {__version__}, sea-ice discrete element model",
-        "effects": " ".join(scene.effects),
-        "history": "from the columns to the grid (floeflow.diagnostics.gridded_tendencies)",
-    }
+        data[name].attrs = {"standard_name": described.standard_name}
+        data[name].attrs |= field_attributes(described.long_name, described.units, METHOD)
+    title = f"Tendencies of the sea ice of scene {scene.name}"
+    history = "from the columns to the grid (floeflow.diagnostics.gridded_tendencies)"
+    data.attrs = file_attributes(scene, title, history)
     for name in map(str, data.variables):
         filled = name in TENDENCIES
         data[name].encoding = {"_FillValue": MISSING if filled else None}

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from floeflow.core.period import period_of, shortest
 from floeflow.core.polygons import Outlines, body_outlines, carried_outlines, own_outlines
 from floeflow.scene.windows import window_name
-from floeflow.state.bonds import element_rows
+from floeflow.state.bonds import element_rows, lines_in_space
+from floeflow.state.elements import pair_arrays
 
 log = logging.getLogger(__name__)
 
@@ -115,14 +116,8 @@ def bond_lines(state: xr.Dataset) -> Array:
         A state with bonds.
     """
     row = element_rows(state["id"].values, state["bond_id_lo"].values)
-    cos, sin = np.cos(state["theta"].values[row]), np.sin(state["theta"].values[row])
-    ends = []
-    for end in "ab":
-        bx, by = (state[f"bond_lo_{end}{axis}"].values for axis in "xy")
-        x = state["x"].values[row] + cos * bx - sin * by
-        y = state["y"].values[row] + sin * bx + cos * by
-        ends.append(np.stack([x, y], axis=1))
-    return np.stack(ends, axis=1)
+    x, y, theta = (state[name].values[row] for name in ("x", "y", "theta"))
+    return lines_in_space(pair_arrays(state, "bond"), x, y, theta)
 
 
 def bond_fields(state: xr.Dataset) -> dict[str, NDArray[np.generic]]:

@@ -142,6 +142,24 @@ def line_length(table: Arrays) -> np.ndarray:
     return np.hypot(table["lo_bx"] - table["lo_ax"], table["lo_by"] - table["lo_ay"])
 
 
+def lines_in_space(table: Arrays, x: np.ndarray, y: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Ends of glue lines as the elements of the lower ids carry them (m), (bond, end, 2).
+
+    Parameters
+    ----------
+    table : dict of ndarray
+        Ends in the body frame of the lower id, ``lo_ax`` to ``lo_by`` (m), (bond,).
+    x, y, theta : ndarray
+        Place (m) and orientation (rad) of the element of the lower id, (bond,).
+    """
+    cos, sin = np.cos(theta), np.sin(theta)
+    ends = []
+    for end in "ab":
+        bx, by = table[f"lo_{end}x"], table[f"lo_{end}y"]
+        ends.append(np.stack([x + cos * bx - sin * by, y + sin * bx + cos * by], axis=1))
+    return np.stack(ends, axis=1)
+
+
 def empty_pairs(columns: tuple[str, ...]) -> Arrays:
     """Table without pairs."""
     table: Arrays = {"id_lo": np.zeros(0, np.int64), "id_hi": np.zeros(0, np.int64)}

@@ -33,7 +33,8 @@ def snapshot(state: xr.Dataset) -> xr.Dataset:
     kept = [
         str(name)
         for name, variable in state.data_vars.items()
-        if variable.dims[:1] in tuple((dim,) for dim in RAGGED)
+        if variable.dims
+        and variable.dims[0] in RAGGED
         and set(variable.dims) <= {*RAGGED, "category"}
     ]
     if "bond_id_lo" not in state:

@@ -116,7 +116,8 @@ def melt_back(water: Water, found: OpenIce, places: SeaPlaces) -> tuple[Water, T
     """
     water, terms = dissolve(water, found.columns, found.area, found.matrix(water.area.size))
     x, y = (axis[found.cells] for axis in places.grid.places())
-    return water, terms, returned_ice((x, y), found.columns, found.area, True)
+    back = returned_ice((x, y), found.columns, found.area, True)
+    return water, terms | {"sea_melted_back": float(back.volume.sum())}, back
 
 
 def settle_ice(
@@ -154,10 +155,8 @@ def settle_ice(
     state, left, joined = _join(state, left, mobile, places)
     water, more, rest = melt_back(water, left, places)
     state, water, gone, old = remove_melted(state, water, places)
-    back = join_returned([thin, rest])
     new = {"sea_born": float(count), "sea_joined": joined}
-    new["sea_melted_back"] = float(back.volume.sum())
-    return state, water, add_terms(terms, more, gone, new), join_returned([back, old])
+    return state, water, add_terms(terms, more, gone, new), join_returned([thin, rest, old])
 
 
 def _beside(

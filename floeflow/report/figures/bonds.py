@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 from floeflow.report.figures.frame import Frame, prepare_axes
 from floeflow.report.figures.maps import WIDTH, Shapes, say_no_ice, shape_collections
 from floeflow.report.figures.style import BLUE, COAST, SKY, VERMILION, look, new_figure
+from floeflow.state.bonds import lines_in_space
+from floeflow.state.elements import pair_arrays
 from floeflow.state.schema import MOBILE
 
 
@@ -28,16 +30,9 @@ def glue_lines(bonds: xr.Dataset, state: xr.Dataset) -> np.ndarray:
     place = np.searchsorted(ids, lo)
     there = place < ids.size
     there[there] = ids[place[there]] == lo[there]
-    place = place[there]
-    cos, sin = np.cos(state["theta"].values[place]), np.sin(state["theta"].values[place])
-    ends = []
-    for end in "ab":
-        bx = bonds[f"bond_lo_{end}x"].values[there]
-        by = bonds[f"bond_lo_{end}y"].values[there]
-        px = state["x"].values[place] + cos * bx - sin * by
-        py = state["y"].values[place] + sin * bx + cos * by
-        ends.append(np.stack([px, py], axis=1))
-    return np.stack(ends, axis=1) / 1e3
+    x, y, theta = (state[name].values[place[there]] for name in ("x", "y", "theta"))
+    table = {name: values[there] for name, values in pair_arrays(bonds, "bond").items()}
+    return lines_in_space(table, x, y, theta) / 1e3
 
 
 def follows_start(last: xr.Dataset) -> bool:
