@@ -293,12 +293,12 @@ def _relaxed(
 def _with_columns(state: xr.Dataset, columns: Arrays) -> xr.Dataset:
     """State whose mobile elements have these columns."""
     mobile = np.flatnonzero(state["type"].values == MOBILE)
-    result = state.copy()
+    found = {}
     for name, values in columns.items():
         whole = state[name].values.copy()
         whole[mobile] = values
-        result[name] = (state[name].dims, whole)
-    return result
+        found[name] = (state[name].dims, whole)
+    return state.assign(found)
 
 
 def take_counts(terms: Arrays) -> Budget:

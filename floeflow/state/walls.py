@@ -227,7 +227,13 @@ def nearest_points(faces: Arrays, place: np.ndarray, time: float = 0.0) -> np.nd
     return np.asarray(start + share[:, None] * along)
 
 
-def clearance(faces: Arrays, x: np.ndarray, y: np.ndarray, time: float = 0.0) -> np.ndarray:
+def clearance(
+    faces: Arrays,
+    x: np.ndarray,
+    y: np.ndarray,
+    time: float = 0.0,
+    farthest: float | None = None,
+) -> np.ndarray:
     """Distance (m) of each point (n,) from the nearest face; infinite where there is none.
 
     Parameters
@@ -240,6 +246,8 @@ def clearance(faces: Arrays, x: np.ndarray, y: np.ndarray, time: float = 0.0) ->
         Points (m), (n,).
     time : float, optional
         s since the start.
+    farthest : float, optional
+        Lines further off than this (m) may be left out, which is faster.
 
     Returns
     -------
@@ -254,7 +262,7 @@ def clearance(faces: Arrays, x: np.ndarray, y: np.ndarray, time: float = 0.0) ->
     if len(lined) and len(x):
         tree = shapely.STRtree(_segments(faces, lined, time))
         found, far = tree.query_nearest(
-            shapely.points(x, y), return_distance=True, all_matches=False
+            shapely.points(x, y), farthest, return_distance=True, all_matches=False
         )
         np.minimum.at(out, found[0], far)
     return out
@@ -303,10 +311,43 @@ def crossed(faces: Arrays, start: np.ndarray, end: np.ndarray) -> np.ndarray:
     return out
 
 
-def unsafe(faces: Arrays, start: np.ndarray, end: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Whether elements that are moved, (n, 2), would lie behind a face or too near to it, (n,).
+def too_near(
+    faces: Arrays, start: np.ndarray, end: np.ndarray, radius: np.ndarray, time: float = 0.0
+) -> np.ndarray:
+    """Whether elements that are moved, (n, 2), leave too little room for ridges at a face, (n,).
 
     Too near is nearer than before and than the share of the radius that no ridge takes.
+
+    Parameters
+    ----------
+    faces : Arrays
+        Table of faces.
+    start, end : ndarray
+        Centres before and after (m), (n, 2).
+    radius : ndarray
+        m, (n,).
+    time : float, optional
+        At which walls are where they are, s.
+
+    Returns
+    -------
+    ndarray
+        bool.
+    """
+    least = LEAST_CLEARANCE * radius
+    most = float(least.max(initial=0.0))
+    out = np.zeros(len(radius), dtype=bool)
+    if most == 0.0:
+        return out
+    new = clearance(faces, end[:, 0], end[:, 1], time, most)
+    near = np.flatnonzero(new < least)
+    x, y = start[near].T
+    out[near] = new[near] < clearance(faces, x, y, time)
+    return out
+
+
+def unsafe(faces: Arrays, start: np.ndarray, end: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Whether elements that are moved, (n, 2), would lie behind a face or `too_near` to it, (n,).
 
     Parameters
     ----------
@@ -324,9 +365,7 @@ def unsafe(faces: Arrays, start: np.ndarray, end: np.ndarray, radius: np.ndarray
     ndarray
         bool.
     """
-    old, new = (clearance(faces, at[:, 0], at[:, 1]) for at in (start, end))
-    near = new < np.minimum(old, LEAST_CLEARANCE * radius)
-    return np.asarray(near | crossed(faces, start, end))
+    return np.asarray(too_near(faces, start, end, radius) | crossed(faces, start, end))
 
 
 def _cross(one: np.ndarray, two: np.ndarray) -> np.ndarray:

@@ -19,8 +19,8 @@ from floeflow.core.constants import EDGE_SHARE
 from floeflow.dynamics.bonds.glue_line import displaced, healed, loaded_less_than, thickened
 from floeflow.dynamics.engine.params import EngineParams
 from floeflow.state.bonds import Arrays, element_rows, new_bonds
-from floeflow.state.elements import joint_thickness, pair_arrays
-from floeflow.state.schema import MOBILE, VARIABLES
+from floeflow.state.elements import joint_thickness, pair_arrays, with_tables
+from floeflow.state.schema import MOBILE
 
 # A bond that would have to bear more than this share of its strength does not form or heal yet.
 MOST_LOAD = 0.5
@@ -102,12 +102,7 @@ def refreeze(
         "contact": {name: values[~frozen] for name, values in contacts.items()},
     }
     keep = [name for name in state.variables if not str(name).startswith(("bond_", "contact_"))]
-    out = state[keep].copy()
-    for kind, table in tables.items():
-        for name, values in table.items():
-            full = f"{kind}_{name}"
-            out[full] = (kind, values.astype(VARIABLES[full].dtype, copy=False))
-    return out, int(frozen.sum())
+    return with_tables(state[keep], tables), int(frozen.sum())
 
 
 def thicken(bonds: Arrays, elements: Arrays, air: Air, cold: Cold, window: float) -> Arrays:

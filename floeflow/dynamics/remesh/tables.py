@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from floeflow.state.bonds import Arrays, element_rows
-from floeflow.state.elements import pair_arrays
+from floeflow.state.elements import pair_arrays, with_tables
 from floeflow.state.schema import COAST, VARIABLES
 from floeflow.state.walls import distances, overlapping
 
@@ -144,17 +144,7 @@ def with_pairs(state: xr.Dataset, tables: dict[str, Arrays]) -> xr.Dataset:
     extra: Arrays = {name: np.zeros(len(lo)) for name in contacts}
     extra |= {"id_lo": lo, "id_hi": hi, "rest_overlap": overlap}
     tables = tables | {"contact": joined_pairs([contacts, extra])}
-    return _with_tables(state, tables)
-
-
-def _with_tables(state: xr.Dataset, tables: dict[str, Arrays]) -> xr.Dataset:
-    """State with tables by kind; all at once, since each change of a dataset costs milliseconds."""
-    found = {}
-    for kind, table in tables.items():
-        for name, values in table.items():
-            full = f"{kind}_{name}"
-            found[full] = (kind, values.astype(VARIABLES[full].dtype, copy=False))
-    return state.assign(found)
+    return with_tables(state, tables)
 
 
 # A ridge at a wall holds a disc off by less than this share of its radius.
@@ -210,7 +200,7 @@ def with_walls(state: xr.Dataset, before: xr.Dataset, names: Index | None) -> xr
     contacts = {name: np.concatenate([contacts[name], extra[name]]) for name in contacts}
     order = np.lexsort((contacts["face"], contacts["id"]))
     contacts = {name: values[order] for name, values in contacts.items()}
-    return _with_tables(state, {"wall_face": faces, "wall_contact": contacts})
+    return with_tables(state, {"wall_face": faces, "wall_contact": contacts})
 
 
 def overlapping_discs(state: xr.Dataset, but: Index) -> tuple[Index, Index, Array]:

@@ -15,7 +15,7 @@ from floeflow.core.period import period_of, shortest
 from floeflow.state.bonds import Arrays, element_rows
 from floeflow.state.elements import pair_arrays
 from floeflow.state.schema import COAST
-from floeflow.state.walls import LEAST_CLEARANCE, clearance, nearest_points
+from floeflow.state.walls import nearest_points, too_near
 
 # No centre moves by more than this share of its radius in a window.
 MOST = 0.5
@@ -69,10 +69,7 @@ def _ashore(state: xr.Dataset, before: Arrays, shift: np.ndarray, time: float) -
         return out
     faces, moved = pair_arrays(state, "wall_face"), np.flatnonzero(shift.any(axis=1))
     places = np.column_stack([before["x"], before["y"]])[moved]
-    old, new = (
-        clearance(faces, at[:, 0], at[:, 1], time) for at in (places, places + shift[moved])
-    )
-    out[moved] = new < np.minimum(old, LEAST_CLEARANCE * before["radius"][moved])
+    out[moved] = too_near(faces, places, places + shift[moved], before["radius"][moved], time)
     return out
 
 

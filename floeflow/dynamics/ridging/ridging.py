@@ -7,6 +7,8 @@ elements lose that area; their ice keeps its volume and their contacts keep thei
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -69,21 +71,22 @@ def close_areas(
     share = np.divide(left, area, out=np.ones_like(area), where=~coast & (area > 0))
     before = element_arrays(state, minimum_thickness)
     shift = centre_shifts(state, held or {}, before, area - left, time)
-    closed = state.copy()
-    closed["area"] = ("element", left)
-    closed["radius"] = ("element", state["radius"].values * np.sqrt(share))
+    size = state["radius"].values * np.sqrt(share)
+    found: dict[str, tuple[Any, np.ndarray]] = {"area": ("element", left)}
+    found["radius"] = ("element", size)
     moved = np.column_stack([state["x"].values, state["y"].values]) + shift
     for axis, values in zip("xy", wrapped(moved, period_of(state.attrs)).T, strict=True):
-        closed[axis] = ("element", values.copy())
+        found[axis] = ("element", values.copy())
     for name in _VOLUMES:
         if name in state:
-            closed[name] = (state[name].dims, state[name].values / share[:, None])
+            found[name] = (state[name].dims, state[name].values / share[:, None])
     if leads:
         fraction = state["ice_fraction"].values
         whole = np.maximum(fraction.sum(axis=1), np.finfo(float).tiny)
         more = np.minimum(1.0 / share, np.maximum(1.0 / whole, 1.0))
-        closed["ice_fraction"] = (state["ice_fraction"].dims, fraction * more[:, None])
+        found["ice_fraction"] = (state["ice_fraction"].dims, fraction * more[:, None])
     water = float(state.attrs["unclaimed_water"]) + float((area - left).sum())
+    closed = state.assign(found)
     closed.attrs = {**state.attrs, "unclaimed_water": water}
     after = element_arrays(closed, minimum_thickness)
     closed = _shift_contacts(_shift_bonds(closed, shift), before, after)
@@ -150,15 +153,16 @@ def _shift_contacts(state: xr.Dataset, before: Arrays, after: Arrays) -> xr.Data
     # Where an element is nearly used up, its ridges are no thinner than half of its ice.
     thin = 0.5 * np.minimum(after["thickness"][lo], after["thickness"][hi])
     ridge = state["contact_ridge_thickness"].values
+    thick = np.where(ridge > 0, np.maximum(ridge, thin), ridge)
+    # What is open and has built no ridge starts anew, with the ice of then, where it touches.
+    anew = (elastic <= 0) & (state["contact_ridge_closing"].values == 0)
+    length = state["contact_ridge_length"].values
     shifted = state.assign(
         contact_rest_overlap=("contact", rest),
         contact_slip=("contact", state["contact_slip"].values * softer),
-        contact_ridge_thickness=("contact", np.where(ridge > 0, np.maximum(ridge, thin), ridge)),
+        contact_ridge_thickness=("contact", np.where(anew, 0.0, thick)),
+        contact_ridge_length=("contact", np.where(anew, 0.0, length)),
     )
-    # What is open and has built no ridge starts anew, with the ice of then, where it touches.
-    anew = (elastic <= 0) & (state["contact_ridge_closing"].values == 0)
-    for name in ("contact_ridge_thickness", "contact_ridge_length"):
-        shifted[name] = ("contact", np.where(anew, 0.0, shifted[name].values))
     near = (rest < 0) & (elastic > -NEAR * reach)
     return shifted.isel(contact=np.flatnonzero((elastic > 0) | (shrunk > distance) | near))
 

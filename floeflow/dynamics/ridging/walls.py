@@ -77,12 +77,12 @@ def shift_wall_contacts(
     """
     held = wall_overlaps(state, before, after, time)
     now = after["radius"][held.row] - held.distance
-    shifted = state.assign(
-        wall_contact_rest_overlap=("wall_contact", now - held.elastic),
-        wall_contact_slip=("wall_contact", state["wall_contact_slip"].values * held.softer),
-    )
     ridge = state["wall_contact_ridge_thickness"].values
     least = 0.5 * after["thickness"][held.row]  # as in a ridge of two elements
     thick = np.where(ridge > 0, np.maximum(ridge, least), ridge)
-    shifted["wall_contact_ridge_thickness"] = ("wall_contact", thick)
+    shifted = state.assign(
+        wall_contact_rest_overlap=("wall_contact", now - held.elastic),
+        wall_contact_slip=("wall_contact", state["wall_contact_slip"].values * held.softer),
+        wall_contact_ridge_thickness=("wall_contact", thick),
+    )
     return shifted.isel(wall_contact=np.flatnonzero((held.elastic > 0) | (now > 0)))
