@@ -21,6 +21,8 @@ rule windows:
         "results/{scene}/benchmarks/windows/{chunk}.tsv"
     wildcard_constraints:
         chunk=r"[0-9]*[1-9][0-9]*",
+    # They use all cores, one chunk after the other: gridding waits, and then runs side by side.
+    priority: 10
     threads: 2
     resources:
         mpi=launcher_asked,
