@@ -9,6 +9,7 @@ from floeflow.diagnostics.gridded import make_grid
 from floeflow.diagnostics.surface_forces import forcing_at
 from floeflow.state import read_dataset, read_state
 from floeflow.state.snapshots import read_snapshots
+from floeflow.transfer.bins import Room
 from floeflow.workflow.job import Snakemake, run_script, scene_of
 
 log = logging.getLogger(__name__)
@@ -21,8 +22,9 @@ def main(snakemake: Snakemake) -> None:
     # The first chunk brings the start with it.
     start = [read_state(path) for path in snakemake.input.start]
     states = [*start, *read_snapshots([snakemake.input.elements])]
+    rooms: dict[int, Room] = {}
     made = (
-        make_grid(scene, state, mask, forcing_at(scene, float(state.attrs["time"])))
+        make_grid(scene, state, mask, forcing_at(scene, float(state.attrs["time"])), rooms)
         for state in states
     )
     data = join_times(list(made))

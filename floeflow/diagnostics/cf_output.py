@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -18,6 +19,9 @@ from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_crs, scene_grid, to_lonlat
 from floeflow.scene import Scene
 from floeflow.transfer.stencil import Array
+
+# Dimensions, values and attributes of variables by their names.
+Variables = dict[str, tuple[Any, Any, dict[str, Any]]]
 
 MISSING = 1.0e20
 
@@ -207,33 +211,28 @@ def describe(
     time = np.array([float(state.attrs["time"])])
     lon, lat = to_lonlat(crs, *cells.mesh())
 
-    data = xr.Dataset(
-        coords={
-            "time": ("time", time, _time_attributes(str(state.attrs["start"]))),
-            "y": ("y", cells.y, _axis_attributes("y")),
-            "x": ("x", cells.x, _axis_attributes("x")),
-            "lat": (("y", "x"), lat, {"standard_name": "latitude", "units": "degrees_north"}),
-            "lon": (("y", "x"), lon, {"standard_name": "longitude", "units": "degrees_east"}),
-        }
-    )
-    # An instant has bounds of no length.
-    data["time_bnds"] = (("time", "bnds"), np.stack([time, time], axis=1))
+    coords: Variables = {
+        "time": ("time", time, _time_attributes(str(state.attrs["start"]))),
+        "y": ("y", cells.y, _axis_attributes("y")),
+        "x": ("x", cells.x, _axis_attributes("x")),
+        "lat": (("y", "x"), lat, {"standard_name": "latitude", "units": "degrees_north"}),
+        "lon": (("y", "x"), lon, {"standard_name": "longitude", "units": "degrees_east"}),
+    }
+    # Joined at once: each change of a dataset costs milliseconds. An instant has bounds of no
+    # length.
+    found: Variables = {"time_bnds": (("time", "bnds"), np.stack([time, time], axis=1), {})}
     for name, edges in (("y_bnds", cells.y_edges), ("x_bnds", cells.x_edges)):
-        data[name] = ((name[0], "bnds"), np.stack([edges[:-1], edges[1:]], axis=1))
-    data["crs"] = ((), np.int32(0), crs.to_cf())
+        found[name] = ((name[0], "bnds"), np.stack([edges[:-1], edges[1:]], axis=1), {})
+    found["crs"] = ((), np.int32(0), crs.to_cf())
     number = np.array([int(state.attrs["window"])], dtype=np.int32)
-    data["window"] = (
-        ("time",),
-        number,
-        {"long_name": "number of the coupling window", "units": "1"},
-    )
+    counted = {"long_name": "number of the coupling window", "units": "1"}
+    found["window"] = (("time",), number, counted)
     for name in DESCRIPTIONS:
         if name in fields:
-            _add_field(data, name, fields[name])
-    if "siitdconc" in data:
-        _add_bands(data)
-    _add_areas(data, *areas)
-    _add_method(data, fields)
+            found |= _field(name, fields[name])
+    if "siitdconc" in found:
+        found |= _bands(found["siitdconc"][1].shape[1])
+    data = xr.Dataset(found | _areas(*areas) | _method(fields), coords)
     history = f"{HISTORY[scene.grid.transfer]} (floeflow.diagnostics.gridded)"
     data.attrs = file_attributes(scene, f"Sea ice of scene {scene.name}", history)
     for name in map(str, data.variables):
@@ -306,53 +305,55 @@ def _axis_attributes(axis: str) -> dict[str, str]:
     }
 
 
-def _add_field(data: xr.Dataset, name: str, values: Array) -> None:
+def _field(name: str, values: Array) -> Variables:
     """A field at the dataset's time, with its attributes and the coordinates that it needs."""
     said = DESCRIPTIONS[name]
     dims = ("time", "iceband", "y", "x") if said.bands else ("time", "y", "x")
-    data[name] = (dims, said.scale * values[None])
-    data[name].attrs = {"standard_name": said.standard_name} if said.standard_name else {}
+    attrs = {"standard_name": said.standard_name} if said.standard_name else {}
     method = f"{said.mean} time: point".strip()
-    data[name].attrs |= field_attributes(said.long_name, said.units, method)
+    attrs |= field_attributes(said.long_name, said.units, method)
+    found: Variables = {name: (dims, said.scale * values[None], attrs)}
     if said.area_type:
         kind, word = said.area_type
-        data[kind] = ((), np.array(word, dtype=object), {"standard_name": "area_type"})
+        found[kind] = ((), np.array(word, dtype=object), {"standard_name": "area_type"})
+    return found
 
 
-def _add_bands(data: xr.Dataset) -> None:
+def _bands(count: int) -> Variables:
     """Bounds of the thickness categories; the last has no end and stands at its start."""
-    bounds = category_bounds(data.sizes["iceband"])
+    bounds = category_bounds(count)
     middle = 0.5 * (bounds[:-1] + bounds[1:])
     middle[-1] = bounds[-2]
     attrs = {"standard_name": "sea_ice_thickness", "units": "m", "bounds": "iceband_bnds"}
-    data["iceband"] = ("iceband", middle, attrs | {"long_name": "category of ice thickness"})
-    data["iceband_bnds"] = (("iceband", "bnds"), np.stack([bounds[:-1], bounds[1:]], axis=1))
+    ends = np.stack([bounds[:-1], bounds[1:]], axis=1)
+    return {
+        "iceband": ("iceband", middle, attrs | {"long_name": "category of ice thickness"}),
+        "iceband_bnds": (("iceband", "bnds"), ends, {}),
+    }
 
 
-def _add_areas(data: xr.Dataset, area: Array, sea: Array) -> None:
+def _areas(area: Array, sea: Array) -> Variables:
     described = (
         ("cell_area", area, "m2", "cell_area", "area of the cell on the earth"),
         ("sea_area", sea, "m2", "cell_area", "area of the cell's sea on the earth"),
         ("sea_area_fraction", sea / area, "1", "sea_area_fraction", "share of sea in the cell"),
     )
+    found: Variables = {}
     for name, values, units, standard_name, long_name in described:
-        data[name] = (("y", "x"), values)
-        data[name].attrs = {
-            "standard_name": standard_name,
-            "long_name": long_name,
-            "units": units,
-            "grid_mapping": "crs",
-        }
+        attrs = {"standard_name": standard_name, "long_name": long_name, "units": units}
+        found[name] = (("y", "x"), values, attrs | {"grid_mapping": "crs"})
+    return found
 
 
-def _add_method(data: xr.Dataset, fields: dict[str, Array]) -> None:
-    data["remap_method"] = (("time", "y", "x"), fields["remap_method"][None])
-    data["remap_method"].attrs = {
+def _method(fields: dict[str, Array]) -> Variables:
+    attrs = {
         "long_name": "how the ice's properties were averaged",
         "flag_values": np.array([0, 1, 2, 4], np.int8),
         "flag_meanings": "none shepard moving_least_squares nearest_element",
         "grid_mapping": "crs",
     }
+    method = fields["remap_method"][None]
+    found: Variables = {"remap_method": (("time", "y", "x"), method, attrs)}
     for name, units, what in (
         ("siarea", "m2", "ice area"),
         ("sivolume", "m3", "ice volume"),
@@ -363,12 +364,10 @@ def _add_method(data: xr.Dataset, fields: dict[str, Array]) -> None:
             ("outside", f"{what} in elements outside of the grid"),
         ):
             if f"{name}_{part}" in fields:
-                data[f"{name}_{part}"] = ("time", fields[f"{name}_{part}"][None])
-                data[f"{name}_{part}"].attrs = {
-                    "long_name": meaning,
-                    "units": units,
-                    "cell_methods": "time: point",
-                }
+                attrs = {"long_name": meaning, "units": units, "cell_methods": "time: point"}
+                values = fields[f"{name}_{part}"][None]
+                found[f"{name}_{part}"] = ("time", values, attrs)
+    return found
 
 
 def write_grid(data: xr.Dataset, path: Path) -> None:

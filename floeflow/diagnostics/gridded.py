@@ -241,6 +241,7 @@ def make_grid(
     state: xr.Dataset,
     mask: xr.Dataset,
     forcing: Mapping[str, Array] | None = None,
+    rooms: dict[int, Room] | None = None,
 ) -> xr.Dataset:
     """Gridded output of a state, with all that CF asks for.
 
@@ -254,6 +255,9 @@ def make_grid(
         Mask on the mask grid.
     forcing : mapping, optional
         From `floeflow.diagnostics.surface_forces.forcing_at`; without it no forces.
+    rooms : dict, optional
+        The sea in the cells by the reach of the hats, as of `sea_room`, kept for the next state
+        of the same mask and grid; what is not in it is added.
 
     Returns
     -------
@@ -268,7 +272,10 @@ def make_grid(
     cells = scene_grid(scene.domain)
     grid = Grid(cells.x, cells.y)
     area = cell_areas(mask, grid.shape)
-    room = sea_room(mask, grid, hat_reach(state, grid))
+    rooms, reach = {} if rooms is None else rooms, hat_reach(state, grid)
+    if reach not in rooms:
+        rooms[reach] = sea_room(mask, grid, reach)
+    room = rooms[reach]
     fields = gridded_fields(state, room, scene.grid.transfer)
     fields |= mass_transport(fields, area, room.area)
     if forcing:
