@@ -23,7 +23,7 @@ from floeflow.state.elements import element_arrays, pair_arrays
 from floeflow.state.files import read_state, write_state
 from floeflow.state.scene_walls import cut, make_walls
 from floeflow.state.schema import check_state, expected_variables
-from floeflow.state.walls import distances, join, lines, plane
+from floeflow.state.walls import clearance, distances, join, lines, plane, too_near
 
 SCENE = """
 effects: [{effects}]
@@ -97,6 +97,19 @@ def test_a_plane_and_its_distance() -> None:
     assert distances(wall, np.array([4.0]), np.array([6.0]), 10.0)[0] == pytest.approx(2.0)
     with pytest.raises(FloeError, match="normal of a plane must be finite and not 0"):
         plane(0.0, 0.0, (0.0, 0.0))
+
+
+def test_too_near_is_nearer_than_before_and_than_ridges_leave() -> None:
+    faces = lines(np.array([[[0.0, -1e4], [0.0, 1e4]]]))
+    radius = np.full(5, 100.0)
+    start = np.array([[50.0, 0.0], [30.0, 0.0], [10.0, 0.0], [500.0, 0.0], [9e5, 0.0]])
+    end = np.array([[34.0, 0.0], [36.0, 0.0], [20.0, 0.0], [36.0, 0.0], [9e5, 1.0]])
+    # 35 m are left for ridges: the first comes nearer, the third goes away from the line.
+    np.testing.assert_array_equal(too_near(faces, start, end, radius), [True] + 4 * [False])
+    old, new = (clearance(faces, *at.T) for at in (start, end))
+    np.testing.assert_array_equal(new < np.minimum(old, 35.0), [True] + 4 * [False])
+    none = np.zeros((0, 2))
+    assert too_near(faces, none, none, np.zeros(0)).shape == (0,)
 
 
 def test_lines_know_their_neighbours() -> None:

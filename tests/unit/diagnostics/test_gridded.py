@@ -344,6 +344,16 @@ def test_without_thermodynamics_there_is_no_snow(tmp_path):
     assert "sisnthick" not in data and "sithick" in data
 
 
+def test_states_of_one_mask_share_the_sea_in_the_cells(tmp_path):
+    scene, mask = scene_of(tmp_path, "wind"), make_mask()
+    first, second = make_state(snow=False), make_state(right=0.5e5, snow=False)
+    rooms = {}
+    shared = [make_grid(scene, state, mask, rooms=rooms) for state in (first, second)]
+    assert set(rooms) == {hat_reach(state, GRID) for state in (first, second)}
+    for made, state in zip(shared, (first, second), strict=True):
+        assert made.identical(make_grid(scene, state, mask))
+
+
 def later(state, window):
     """The state at another window's end."""
     moved = state.copy(deep=True)
