@@ -249,7 +249,7 @@ def advance_columns(
     settings = column_settings(scene)
     water = read_water(state, places.area, settings)
     grid = places.grid
-    shares = build_shares(columns.x, columns.y, columns.area, grid, places.area)
+    shares = build_shares(columns.x, columns.y, columns.area, grid, places.area, places.pull)
     afloat = float_columns(
         water, shares, columns.values, (columns.x, columns.y, columns.area), grid.places()
     )

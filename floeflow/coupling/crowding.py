@@ -101,7 +101,7 @@ def close_crowded(
     """
     mobile = np.flatnonzero(state["type"].values == MOBILE)
     x, y, area = (state[name].values[mobile] for name in ("x", "y", "area"))
-    shares = build_shares(x, y, area, places.grid, places.area)
+    shares = build_shares(x, y, area, places.grid, places.area, places.pull)
     thickness = state["ice_volume"].values[mobile].sum(axis=1)
     closed = np.zeros(state.sizes["element"])
     closed[mobile] = crowded(shares, places.grid, area, thickness)

@@ -356,7 +356,7 @@ def remove_melted(
     old = returned_ice((x, y), columns, area, False)
     if not len(gone):
         return state, water, {"sea_gone": 0.0}, old
-    shares = build_shares(x, y, area, places.grid, places.area)
+    shares = build_shares(x, y, area, places.grid, places.area, places.pull)
     water, terms = dissolve(water, columns, area, shares.matrix)
     keep = np.setdiff1d(np.arange(state.sizes["element"]), gone)
     none = {name: np.empty(0) for name in ("x", "y", "area")}

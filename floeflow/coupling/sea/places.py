@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from floeflow.core.grids import scene_grid
+from floeflow.coupling.sea.shares import balanced_pull
 from floeflow.scene.blocks import Scene
 from floeflow.state import read_dataset
 from floeflow.transfer import Grid
@@ -37,6 +38,8 @@ class SeaPlaces:
         Distance from each to land (m), (m,); infinite where there is none.
     concentration, thickness : ndarray
         Of the mask's ice (1, m), (m,).
+    pull : ndarray
+        Of the grid's cells, (cells,): `floeflow.coupling.sea.shares.balanced_pull`.
     """
 
     grid: Grid
@@ -47,6 +50,7 @@ class SeaPlaces:
     shore: Array
     concentration: Array
     thickness: Array
+    pull: Array
 
 
 def sea_places(mask: xr.Dataset, x: Array, y: Array) -> SeaPlaces:
@@ -63,16 +67,18 @@ def sea_places(mask: xr.Dataset, x: Array, y: Array) -> SeaPlaces:
     across, up = np.meshgrid(mask["x"].values, mask["y"].values)
     land = mask["land"].values != 0
     px, py = across[~land], up[~land]
-    cell = grid.cell_of(px, py)
-    area = np.bincount(cell, mask["cell_area"].values[~land], x.size * y.size).astype(np.float64)
+    cell, wet = grid.cell_of(px, py), mask["cell_area"].values[~land].astype(np.float64)
+    area = np.bincount(cell, wet, x.size * y.size).astype(np.float64)
     shore = np.full(px.size, np.inf)
     if land.any():
         spacing = float(mask["x"].values[1] - mask["x"].values[0])
         tree = cKDTree(np.stack([across[land], up[land]], axis=1))
         away = tree.query(np.stack([px, py], axis=1))[0]
         shore = np.asarray(away - 0.5 * spacing)
-    ice = (mask[name].values[~land] for name in ("siconc", "sithick"))
-    return SeaPlaces(grid, area.reshape(grid.shape), px, py, cell, shore, *ice)
+    concentration, thickness = (mask[name].values[~land] for name in ("siconc", "sithick"))
+    pull = balanced_pull(px, py, wet, grid)
+    sea = area.reshape(grid.shape)
+    return SeaPlaces(grid, sea, px, py, cell, shore, concentration, thickness, pull)
 
 
 def read_places(scene: Scene, path: str) -> SeaPlaces:

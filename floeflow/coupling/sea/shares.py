@@ -2,8 +2,9 @@
 """Which part of the sea each element stands on.
 
 An element deals out its area to the cells of the grid by hat functions of about its own width.
-Cells pull in proportion to their sea, and less where more area is dealt to them than they hold, so
-that a packed sea fills its cells and leaves no water between that is not there. What an element
+Cells pull as strongly as it takes for a sea full of ice to fill each of them, also along coasts,
+and less where more area is dealt to them than they hold, so that a packed sea leaves no water
+between that is not there. What an element
 reads is the mean of the sea by these shares; what it gives back goes to the same cells in the same
 shares (the adjoint), so that nothing is lost on the way.
 """
@@ -25,6 +26,9 @@ Array = NDArray[np.float64]
 # Rounds in which full cells push area to their neighbours. What is left over in a cell then is
 # area of elements that overlap.
 ROUNDS = 60
+# Rounds in which the pull of cells is balanced, at most, and the share of the sea that may be in
+# the wrong cell then.
+MOST_ROUNDS, ERROR = 300, 1e-4
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,37 @@ class Shares:
         return np.asarray(self.matrix.T @ amount)
 
 
-def build_shares(x: Array, y: Array, area: Array, grid: Grid, sea: Array) -> Shares:
+def balanced_pull(x: Array, y: Array, area: Array, grid: Grid) -> Array:
+    """Pull of the cells with which ice that covers all sea fills each of them, (cells,).
+
+    A hat at the coast reaches over land, and a bay is reached from the sea beside it: with pulls in
+    proportion to the sea the ice of a full basin would leave its bays open, and be crowded
+    elsewhere. Rows and columns are scaled in turn (Sinkhorn and Knopp 1967).
+
+    Parameters
+    ----------
+    x, y, area : ndarray
+        Centres (m) and areas (m2) of pieces that make up the sea, smaller than a cell, (m,).
+    grid : Grid
+        The scene's grid.
+    """
+    sea = np.bincount(grid.cell_of(x, y), area, grid.shape[0] * grid.shape[1]).astype(np.float64)
+    if not len(x):
+        return sea
+    hats = _hats(x, y, np.zeros(len(x)), grid)
+    across = csr_array(hats.T)
+    pull = sea / sea.max()
+    for _ in range(MOST_ROUNDS):
+        dealt = pull * (across @ (area / (hats @ pull)))
+        if np.abs(dealt - sea).sum() <= 2.0 * ERROR * sea.sum():
+            break
+        pull = np.divide(pull * sea, dealt, out=np.zeros_like(pull), where=dealt > 0.0)
+    return pull
+
+
+def build_shares(
+    x: Array, y: Array, area: Array, grid: Grid, sea: Array, pull: Array | None = None
+) -> Shares:
     """Deal out the elements' areas to the cells of a grid.
 
     Parameters
@@ -81,13 +115,15 @@ def build_shares(x: Array, y: Array, area: Array, grid: Grid, sea: Array) -> Sha
         The scene's grid.
     sea : ndarray
         Area of sea in its cells (m2), (ny, nx); some of it above zero.
+    pull : ndarray, optional
+        Of the cells, (cells,), as of `balanced_pull`; otherwise in proportion to their sea.
     """
     water = sea.ravel()
     if not len(x):
         none = csr_array((0, water.size))
         return Shares(none, water, np.zeros(water.size))
     hats = _hats(x, y, area, grid)
-    pull = water / water.max()
+    pull = water / water.max() if pull is None else pull
     afloat = hats @ pull > 0.0
     fixed = _nearest(x, y, afloat, grid, water)
     across = csr_array(hats.T)

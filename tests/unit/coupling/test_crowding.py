@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from floeflow.coupling.crowding import REGION_SLACK, SLACK, crowded
-from floeflow.coupling.sea.shares import Shares, build_shares
+from floeflow.coupling.sea.shares import Shares, balanced_pull, build_shares
 from floeflow.transfer import Grid
 
 GRID = Grid(np.arange(0.5, 24) * 1e5, np.arange(0.5, 12) * 1e5)
@@ -65,3 +65,51 @@ def test_what_fits_stays_as_it_is():
     np.testing.assert_array_equal(crowded(shares, GRID, area, np.ones(area.size)), 0.0)
     none = build_shares(*(np.zeros(0),) * 3, GRID, SEA)
     assert crowded(none, GRID, np.zeros(0), np.zeros(0)).size == 0
+
+
+def ragged_basin() -> tuple[np.ndarray, ...]:
+    """Centres (m) of the mask cells of 25 km of a sea whose coast has bays, and elements on it.
+
+    An element is what sea there is in a square of 50 km.
+    """
+    axis = np.arange(12.5e3, 24e5, 25e3)
+    x, y = np.meshgrid(axis, axis)
+    away = np.hypot(x - 12e5, y - 12e5)
+    angle = np.arctan2(y - 12e5, x - 12e5)
+    wet = away < 9e5 + 1e5 * np.sin(9 * angle) + 8e4 * np.sin(23 * angle)
+    x, y = x[wet], y[wet]
+    _, block = np.unique((y // 5e4) * 1000 + x // 5e4, return_inverse=True)
+    count = np.bincount(block)
+    places = (np.bincount(block, values) / count for values in (x, y))
+    return x, y, *places, 6.25e8 * count
+
+
+def test_a_full_basin_with_bays_is_crowded_nowhere():
+    wet_x, wet_y, x, y, area = ragged_basin()
+    axis = np.arange(0.5, 24) * 1e5
+    grid = Grid(axis, axis)
+    pull = balanced_pull(wet_x, wet_y, np.full(wet_x.size, 6.25e8), grid)
+    sea = np.bincount(grid.cell_of(wet_x, wet_y), minlength=24 * 24) * 6.25e8
+    sea = sea.reshape(grid.shape)
+    thickness = np.full(area.size, 2.0)
+    shares = build_shares(x, y, area, grid, sea, pull)
+    closed = crowded(shares, grid, area, thickness)
+    assert area.sum() == pytest.approx(sea.sum(), rel=1e-12)
+    assert closed.sum() < 1e-5 * area.sum()
+    assert shares.open_area.sum() < 1e-3 * area.sum()
+    # With pulls in proportion to the sea the bays stay open, and all else is crowded.
+    plain = build_shares(x, y, area, grid, sea)
+    assert crowded(plain, grid, area, thickness).sum() > 2e-3 * area.sum()
+    assert plain.open_area.sum() > 3e-3 * area.sum()
+
+
+def test_balanced_cells_are_full_where_all_sea_is_ice():
+    wet_x, wet_y, *_ = ragged_basin()
+    axis = np.arange(0.5, 24) * 1e5
+    grid, area = Grid(axis, axis), np.full(wet_x.size, 6.25e8)
+    pull = balanced_pull(wet_x, wet_y, area, grid)
+    sea = np.bincount(grid.cell_of(wet_x, wet_y), area, minlength=24 * 24)
+    assert ((pull > 0.0) == (sea > 0.0)).all()
+    hats = build_shares(wet_x, wet_y, area, grid, sea.reshape(grid.shape), pull)
+    assert np.abs(hats.claimed - sea).sum() < 1e-3 * sea.sum()
+    assert balanced_pull(*(np.zeros(0),) * 3, grid).shape == (24 * 24,)
