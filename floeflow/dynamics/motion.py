@@ -22,6 +22,7 @@ from floeflow.dynamics.engine.energy_check import check_energy
 from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.engine.setup import within_reach
 from floeflow.dynamics.forces import FORCES
+from floeflow.dynamics.ridging.filled_discs import fill_areas
 from floeflow.dynamics.ridging.overlaps import rest_overlaps
 from floeflow.dynamics.ridging.ridging import close_areas
 from floeflow.dynamics.step.critical import critical_step
@@ -249,6 +250,8 @@ def move(
         Where LIGGGHTS, an element or the forcing fails; names the place.
     """
     began = time.perf_counter()
+    if "ridging" in scene.effects:
+        state = fill_areas(state, float(state.attrs["time"]))
     elements = element_arrays(state, scene.dynamics.minimum_thickness)
     if not (elements["type"] == MOBILE).any():
         return _still(scene, state)
