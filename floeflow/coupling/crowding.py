@@ -30,6 +30,9 @@ SLACK = 0.1
 REGION, REGION_SLACK = 5.0, 0.001
 # Thinner ice is no weaker (m).
 THINNEST = 0.1
+# What a region has too much is taken from no element smaller than this share of the mean one: thin
+# ice alone in a bay has no neighbour that it could join, and a small disc sets the time step.
+SMALLEST = 0.2
 
 
 def around(grid: Grid, width: float, cells: Array) -> Array:
@@ -77,7 +80,8 @@ def crowded(shares: Shares, grid: Grid, area: Array, thickness: Array) -> Array:
     weak = np.maximum(thickness, THINNEST) ** -2.0
     even, uneven = (around(grid, width, shares.give(amount)) for amount in (wide, wide * weak))
     factor = np.divide(even, uneven, out=np.zeros_like(even), where=uneven > 0.0)
-    return closed + np.minimum(wide * weak * shares.read(factor), 0.5 * (area - closed))
+    most = np.clip(area - closed - SMALLEST * area.mean(), 0.0, 0.5 * (area - closed))
+    return closed + np.minimum(wide * weak * shares.read(factor), most)
 
 
 def close_crowded(

@@ -49,6 +49,17 @@ def test_weak_ice_gives_way():
     assert closed[::2].sum() == pytest.approx(16 * closed[1::2].sum(), rel=0.1)
 
 
+def test_small_elements_are_not_used_up():
+    """A speck of thin ice gives nothing to what is too much about it, and others give the rest."""
+    area, shares = pack(1.015)
+    speck = area.copy()
+    speck[300] *= 0.15
+    thickness = np.full(area.size, 2.0)
+    thickness[300] = 0.05
+    closed = crowded(shares, GRID, speck, thickness)
+    assert closed[300] == 0.0 and closed.sum() > 0.5 * crowded(shares, GRID, area, thickness).sum()
+
+
 def test_a_bay_keeps_no_more_than_its_slack():
     # Two elements in the only cell with sea, which claim twice what is there.
     sea = np.zeros(GRID.shape)
