@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from floeflow.core import grids
 from floeflow.core.grids import scene_grid
-from floeflow.coupling.sea.shares import build_shares
+from floeflow.coupling.sea.shares import balanced_pull, build_shares
 from floeflow.dynamics.remesh.overlap import carried_polygons, overlap
 from floeflow.dynamics.remesh.remap import outlines
 from floeflow.packings import discs
@@ -46,12 +46,15 @@ class Sea:
         Sea in these (m2), (m,).
     grid : Grid
         That grid.
+    pull : ndarray
+        Of its cells on the elements, (m,).
     """
 
     land: Shapes
     boxes: Shapes
     area: Array
     grid: Grid
+    pull: Array
 
 
 @dataclass(frozen=True)
@@ -123,7 +126,10 @@ def sea_of(mask: xr.Dataset, coarse: grids.Grid) -> Sea:
     flat = row * coarse.shape[1] + column
     sea = np.where(land, 0.0, mask["cell_area"].values)
     area = np.bincount(flat.ravel(), sea.ravel(), len(boxes)).astype(float)
-    return Sea(cells, np.asarray(boxes), area, Grid(coarse.x, coarse.y))
+    wet, cell_area = ~land, mask["cell_area"].values
+    target = Grid(coarse.x, coarse.y)
+    pull = balanced_pull(x[wet], y[wet], cell_area[wet], target)
+    return Sea(cells, np.asarray(boxes), area, target, pull)
 
 
 def shapes(state: xr.Dataset, rows: NDArray[np.int64]) -> Shapes:
@@ -147,7 +153,8 @@ def watch(state: xr.Dataset, sea: Sea) -> Watched:
     claims = np.bincount(box, claimed, len(sea.boxes))
     beyond = np.maximum(claims - sea.area, 0.0)
     place = np.stack([state["x"].values, state["y"].values], axis=1)[rows]
-    dealt = build_shares(*place.T, area, sea.grid, sea.area.reshape(sea.grid.shape))
+    around = sea.area.reshape(sea.grid.shape)
+    dealt = build_shares(place[:, 0], place[:, 1], area, sea.grid, around, sea.pull)
     ocean, water = float(state.attrs["ocean_area"]), float(state.attrs["unclaimed_water"])
     round_ = shapely.polygons(discs.outlines(place, state["radius"].values[rows]))
     # Ice as discs show it: what of the disc lies on land, of the element's ice.
