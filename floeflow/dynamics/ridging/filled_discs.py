@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Discs as large as it takes for a pack to jam where its elements cover the sea.
+"""Discs as large as it takes for a pack to resist where its elements cover the sea.
 
-Random packings of discs jam where these fill 0.84 of the area (O'Hern et al. 2003). Discs of a
-tessellation, of fresh cells and of elements that took in open water fill less of what their
-elements stand for, and a pack that covers its sea would converge by a tenth before its contacts
-resist. So discs grow to 0.84 of the area of their elements. What overlaps then makes no force: it
-is rest overlap.
+A contact is as long as the side of the hexagon about the smaller disc (`EDGE_SHARE`). Where a disc
+fills that hexagon's share of its element's area, contacts all around it are as long as the
+element's outline. Discs of a tessellation, of fresh cells and of elements that took in open water
+fill less, and a pack that covers its sea would converge by a tenth before its contacts resist. So
+discs grow. What overlaps then makes no force: it is rest overlap.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from floeflow.state.walls import clearance, distances
 
 Array = NDArray[np.float64]
 
-# Share of the area at which random packings of discs of nearly one size jam.
-JAMMED = 0.84
+# Share of a hexagon that the disc inscribed in it fills, 0.907.
+INSCRIBED = float(np.pi / np.sqrt(12.0))
 
 
 def fill_areas(state: xr.Dataset, time: float = 0.0) -> xr.Dataset:
-    """Let discs grow until they fill `JAMMED` of the areas of their elements.
+    """Let discs grow until they fill `INSCRIBED` of the areas of their elements.
 
     Centres, areas, momenta and angular momenta stay, and so do the forces of contacts. A gap gets
     narrower, and is touched at most. At walls and closed coasts discs end where these stand.
@@ -47,7 +47,7 @@ def fill_areas(state: xr.Dataset, time: float = 0.0) -> xr.Dataset:
     radius = state["radius"].values
     x, y = state["x"].values, state["y"].values
     mobile = state["type"].values == MOBILE
-    wanted = np.sqrt(JAMMED * state["area"].values / np.pi)
+    wanted = np.sqrt(INSCRIBED * state["area"].values / np.pi)
     some = np.flatnonzero(mobile & (wanted > radius))
     faces = pair_arrays(state, "wall_face") if "wall_face_ax" in state else None
     if faces is not None and len(faces["ax"]) and len(some):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Discs that grow to the share of their elements' area at which packings jam."""
+"""Discs that grow until their contacts are as long as the outlines of their elements."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from floeflow.dynamics.ridging.filled_discs import JAMMED, fill_areas
+from floeflow.core.constants import EDGE_SHARE
+from floeflow.dynamics.ridging.filled_discs import INSCRIBED, fill_areas
 from floeflow.state.elements import element_arrays
 from floeflow.state.schema import COAST, check_state
 from floeflow.state.walls import rings
@@ -31,7 +32,7 @@ def test_discs_fill_the_share_and_contacts_keep_their_forces(tmp_path: Path) -> 
     filled = fill_areas(state)
     check_state(filled)
     coast = state["type"].values == COAST
-    wanted = np.sqrt(JAMMED * state["area"].values / np.pi)
+    wanted = np.sqrt(INSCRIBED * state["area"].values / np.pi)
     grows = ~coast & (wanted > state["radius"].values)
     assert grows.any() and not grows[~coast].all()
     np.testing.assert_allclose(filled["radius"].values[grows], wanted[grows], rtol=1e-15)
@@ -44,6 +45,13 @@ def test_discs_fill_the_share_and_contacts_keep_their_forces(tmp_path: Path) -> 
     for name in ("x", "y", "area", "u", "v"):
         assert filled[name].identical(state[name])
     assert fill_areas(filled).identical(filled)
+
+
+def test_contacts_all_around_are_as_long_as_the_outline() -> None:
+    """Six sides of the hexagon about a disc that fills its share of an element of 1 m2."""
+    radius = np.sqrt(INSCRIBED / np.pi)
+    side = np.sqrt(2.0 / (3.0 * np.sqrt(3.0)))
+    assert 2.0 * EDGE_SHARE * radius == pytest.approx(side, rel=1e-3)
 
 
 def test_a_gap_closes_at_most(tmp_path: Path) -> None:
