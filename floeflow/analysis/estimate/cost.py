@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 COSTS = Path(__file__).with_name("costs.json")
 Coefficients = Mapping[str, float]
-# What physics and knobs set; starting programs costs the same for any of them.
+# What physics and settings set; starting programs costs the same for any of them.
 WORK = ("dynamics", "column")
 # Concentration varies within the ice: where the mean is this little below, most has bonds.
 BOND_MARGIN = 0.05
