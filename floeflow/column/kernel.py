@@ -171,7 +171,18 @@ def grow_category(c, n, work, f, water, sums, dt, p):
 
 @jit
 def air_of(f):
-    """Air in the forcing of a step."""
+    """Air in the forcing of a step.
+
+    Parameters
+    ----------
+    f : SurfaceForcing
+        Forcing of one element in one step.
+
+    Returns
+    -------
+    Air
+        Potential temperature (K), humidity (kg/kg), density (kg/m3), wind (m/s), longwave (W/m2).
+    """
     return Air(f[r.POTENTIAL_TEMPERATURE], f[r.HUMIDITY], f[r.DENSITY], f[r.WIND], f[r.LONGWAVE])
 
 

@@ -282,6 +282,11 @@ def as_records(p: Physics) -> Any:
 
     Compiled functions take its address, where of the tuple they would pass all numbers in every
     call: that compiles much faster.
+
+    Parameters
+    ----------
+    p : Physics
+        Constants, SI.
     """
     kinds = {float: "f8", int: "i8", bool: "?"}
     defaults = Physics._field_defaults

@@ -445,7 +445,18 @@ def category_water(c, n):
 
 @jit
 def pond_water(c):
-    """Water in the ponds of all categories (m of water per area of the element)."""
+    """Water in the ponds of all categories (m of water per area of the element).
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+
+    Returns
+    -------
+    float
+        m.
+    """
     water = 0.0
     for n in range(c.area.size):
         water += category_water(c, n)

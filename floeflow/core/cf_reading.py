@@ -33,7 +33,13 @@ class Variable:
     kind: str = ""
 
     def text(self, attribute: str) -> str:
-        """An attribute as stripped text, empty where there is none."""
+        """An attribute as stripped text, empty where there is none.
+
+        Parameters
+        ----------
+        attribute : str
+            Name of the attribute.
+        """
         return str(self.attrs.get(attribute, "")).strip()
 
 
@@ -90,7 +96,13 @@ def describe(path: str | Path, hints: Hints | None = None) -> dict[str, Variable
 
 
 def variables_of(data: xr.Dataset) -> dict[str, Variable]:
-    """Variables of an open file."""
+    """Variables of an open file.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        The open file, undecoded.
+    """
     return {
         str(name): Variable(
             str(name),

@@ -49,6 +49,11 @@ class NearLines:
         """Distance (m) of points (n, 2) from the lines, and the nearest place on one (m), (n, 2).
 
         Infinite and nan where no line is in reach.
+
+        Parameters
+        ----------
+        points : ndarray
+            m.
         """
         away, foot = np.full(len(points), np.inf), np.full((len(points), 2), np.nan)
         x, y = np.ascontiguousarray(points.T, dtype=float)

@@ -33,7 +33,13 @@ def valid_digests(folder: Path, keys: str) -> dict[str, str]:
 
 
 def read_digest(path: Path) -> dict[str, Any]:
-    """Read a digest; an empty one where the file is damaged."""
+    """Read a digest; an empty one where the file is damaged.
+
+    Parameters
+    ----------
+    path : Path
+        Of the digest.
+    """
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except ValueError:

@@ -381,6 +381,11 @@ SCHEME_STATE: dict[str, tuple[str, ...]] = {
 def check_effects(names: Iterable[str]) -> tuple[str, ...]:
     """Return the named effects in the registry's order.
 
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects, as a scene names them.
+
     Raises
     ------
     FloeError
@@ -433,12 +438,24 @@ def _collect(field: str, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def plugin_switches(names: Iterable[str]) -> tuple[str, ...]:
-    """Switches of the LIGGGHTS plugin that these effects set."""
+    """Switches of the LIGGGHTS plugin that these effects set.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return _collect("plugin", names)
 
 
 def ledger_sums(names: Iterable[str]) -> tuple[str, ...]:
-    """Sums of the plugin that these effects add to a window's budget, components apart."""
+    """Sums of the plugin that these effects add to a window's budget, components apart.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return tuple(
         f"{name}{axis}"
         for name in _collect("ledger", names)
@@ -447,7 +464,13 @@ def ledger_sums(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
-    """Forcing variables that these effects read."""
+    """Forcing variables that these effects read.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return _collect("forcing", names)
 
 
@@ -479,7 +502,13 @@ def state_variables(names: Iterable[str], scheme: str = "zero_layer") -> tuple[s
 
 
 def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
-    """Series that these effects add to the diagnostics."""
+    """Series that these effects add to the diagnostics.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return _collect("diagnostics", names)
 
 
@@ -495,7 +524,13 @@ def _column_effects(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def column_processes(names: Iterable[str]) -> tuple[str, ...]:
-    """Processes that these effects add to the column."""
+    """Processes that these effects add to the column.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return _collect("column", names)
 
 
@@ -520,5 +555,11 @@ def column_variables(names: Iterable[str], scheme: str) -> tuple[str, ...]:
 
 
 def column_forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
-    """Forcing variables that the columns read under these effects."""
+    """Forcing variables that the columns read under these effects.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return forcing_variables(_column_effects(names))

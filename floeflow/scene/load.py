@@ -153,6 +153,11 @@ def _read(path: Path) -> bytes:
 def read_resolved(path: str | Path) -> Scene:
     """Read a scene whose keys were all resolved before, as ``results/<scene>/scene.yaml`` is.
 
+    Parameters
+    ----------
+    path : str or Path
+        Of the resolved scene.
+
     Raises
     ------
     FloeError
@@ -169,6 +174,11 @@ def read_resolved(path: str | Path) -> Scene:
 
 def read_keys(path: str | Path) -> dict[str, Any]:
     """Read the keys that a scene file sets, before any default or check of their values.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the scene file.
 
     Raises
     ------

@@ -35,6 +35,11 @@ ATTRIBUTES: dict[str, type] = {
 def check_attributes(attrs: Mapping[Hashable, object]) -> tuple[tuple[str, ...], str]:
     """Effects and column scheme of a state whose attributes are as they must be.
 
+    Parameters
+    ----------
+    attrs : mapping of object
+        Of a state.
+
     Raises
     ------
     FloeError

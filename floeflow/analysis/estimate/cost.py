@@ -156,6 +156,11 @@ def coast_measure(c: Pack) -> float:
     """What the elements that a coast adds are proportional to, of those aimed at (1).
 
     Coasts cut elements that lie at them into pieces: a share of all that falls with their size.
+
+    Parameters
+    ----------
+    c : Pack
+        Conditions of the scene.
     """
     return c.coast_share * c.element_size / COAST_SIZE
 

@@ -56,7 +56,13 @@ class Study:
 
 
 def read_studies(folders: Iterable[Path]) -> list[Study]:
-    """Accuracy studies of ``results/<scene>/<study>``: the folders with an ``accuracy.nc``."""
+    """Accuracy studies of ``results/<scene>/<study>``: the folders with an ``accuracy.nc``.
+
+    Parameters
+    ----------
+    folders : iterable of Path
+        ``results/<scene>/<study>``.
+    """
     return [
         Study(read_resolved(base_scene(f)), read_dataset(f / "accuracy.nc"))
         for f in folders
@@ -66,6 +72,11 @@ def read_studies(folders: Iterable[Path]) -> list[Study]:
 
 def fit_laws(studies: Iterable[Study]) -> dict[str, dict[str, tuple[float, float]]]:
     """Factor and order of each setting's error in each kept norm.
+
+    Parameters
+    ----------
+    studies : iterable of Study
+        Of the example scenes.
 
     Notes
     -----
@@ -91,7 +102,13 @@ def fit_laws(studies: Iterable[Study]) -> dict[str, dict[str, tuple[float, float
 
 
 def fit_choices(studies: Iterable[Study]) -> dict[str, dict[str, dict[str, float]]]:
-    """Error of each value of the settings that are choices: geometric mean over the scenes."""
+    """Error of each value of the settings that are choices: geometric mean over the scenes.
+
+    Parameters
+    ----------
+    studies : iterable of Study
+        Of the example scenes.
+    """
     found: dict[tuple[str, str, str], list[float]] = {}
     for study in studies:
         varied = [setting for setting in numerical_settings(study.scene) if setting.ways]

@@ -42,7 +42,13 @@ class ErrorModel:
     choices: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
 
     def knows(self, setting: str) -> bool:
-        """Whether it says anything of a setting."""
+        """Whether it says anything of a setting.
+
+        Parameters
+        ----------
+        setting : str
+            Name of a numerical setting.
+        """
         return setting in self.laws or setting in self.choices
 
 
@@ -89,7 +95,13 @@ def resolutions(scene: Scene, c: Conditions) -> dict[str, float]:
 
 
 def choices(scene: Scene) -> dict[str, str]:
-    """Values of the settings that are choices between ways."""
+    """Values of the settings that are choices between ways.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return {
         setting.name: setting.told(1.0) for setting in numerical_settings(scene) if setting.ways
     }

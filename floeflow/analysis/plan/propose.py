@@ -46,6 +46,11 @@ class Proposal:
 def parse_budget(text: str) -> float:
     """Seconds of a time such as ``2h``, ``90m``, ``45s`` or ``1.5d``.
 
+    Parameters
+    ----------
+    text : str
+        Number and unit: s, m, h or d.
+
     Raises
     ------
     FloeError

@@ -93,7 +93,13 @@ def recommendation_table(study: Accuracy, scene: Scene) -> Table:
 
 
 def order_table(study: Accuracy) -> Table:
-    """Orders of convergence, observed beside expected."""
+    """Orders of convergence, observed beside expected.
+
+    Parameters
+    ----------
+    study : Accuracy
+        What was measured.
+    """
     by_setting: dict[str, dict[str, object]] = {}
     for row in study.orders:
         cells = by_setting.setdefault(row.setting, {"expected": row.expected or "–"})
@@ -111,7 +117,13 @@ def order_table(study: Accuracy) -> Table:
 
 
 def run_table(study: Accuracy) -> Table:
-    """All runs."""
+    """All runs.
+
+    Parameters
+    ----------
+    study : Accuracy
+        What was measured.
+    """
     head = ("run", "level", "work", "CPU", "element-steps", *NORMS)
     rows: list[Sequence[object]] = []
     for p in study.points:

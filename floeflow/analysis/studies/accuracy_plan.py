@@ -16,7 +16,13 @@ KEPT = ("element_size",)
 
 
 def accuracy_variants(scene: Scene) -> list[Variant]:
-    """Runs of the study."""
+    """Runs of the study.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     drag = scene.dynamics.air_drag
     runs = [Variant(BASE, label="as the scene has it")]
     for k in range(1, REPEATS + 1):

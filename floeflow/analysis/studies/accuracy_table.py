@@ -92,7 +92,13 @@ class Runs:
         self._read: dict[str, tuple[RunEnds, tuple[xr.Dataset, xr.Dataset]]] = {}
 
     def ends(self, run: str) -> tuple[RunEnds, tuple[xr.Dataset, xr.Dataset]]:
-        """States of a run and its fields on the base scene's grid, brought there in its own way."""
+        """States of a run and its fields on the base scene's grid, brought there in its own way.
+
+        Parameters
+        ----------
+        run : str
+            Name of the run.
+        """
         if run not in self._read:
             ends = read_ends(*map(Path, self.records[run]["ends"]))
             self._read[run] = ends, on_grid(self._gridded(run), ends, self.mask)
@@ -122,7 +128,13 @@ class Runs:
         return relative(*errors(one, two, (first, second)))
 
     def stable(self, run: str) -> bool:
-        """Whether a run ended well."""
+        """Whether a run ended well.
+
+        Parameters
+        ----------
+        run : str
+            Name of the run.
+        """
         return run in self.records and not self.records[run]["fault"]
 
 

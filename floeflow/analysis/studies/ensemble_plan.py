@@ -30,18 +30,36 @@ UNSEEN = ("grid_transfer",)
 
 
 def seen_settings(scene: Scene) -> list[Setting]:
-    """Settings that act on the statistics in a scene."""
+    """Settings that act on the statistics in a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return [setting for setting in numerical_settings(scene) if setting.name not in UNSEEN]
 
 
 def tried_levels(setting: Setting) -> list[float]:
-    """Levels that are run: the next finer, the next coarser and the coarsest."""
+    """Levels that are run: the next finer, the next coarser and the coarsest.
+
+    Parameters
+    ----------
+    setting : Setting
+        A numerical setting.
+    """
     levels = [moved_level(setting, -1), moved_level(setting, 1), setting.levels[-1]]
     return [level for level in dict.fromkeys(levels) if level != 1.0]
 
 
 def ensemble_variants(scene: Scene) -> list[Variant]:
-    """Runs of the study: the scene, the scene again with other members, and its settings."""
+    """Runs of the study: the scene, the scene again with other members, and its settings.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     runs = [
         Variant(BASE, label="as the scene has it"),
         Variant(AGAIN, {}, AGAIN, "as the scene has it, other members"),
@@ -66,6 +84,16 @@ def nudges(variant: str) -> list[float]:
 
     They lie on both sides of 1 in the same places for every setting, so that what the nudge itself
     changes is the same on both sides of a comparison; `AGAIN` has places between.
+
+    Parameters
+    ----------
+    variant : str
+        Name of the run.
+
+    Returns
+    -------
+    list of float
+        1, one a member.
     """
     count = BASE_MEMBERS if variant in (BASE, AGAIN) else MEMBERS
     places = [(k + 1) // 2 * (-1) ** k for k in range(count)]  # 0, -1, 1, -2, ...

@@ -51,12 +51,24 @@ class Setting:
     ways: Mapping[float, str] = field(default_factory=dict)
 
     def told(self, level: float) -> str:
-        """A level in words."""
+        """A level in words.
+
+        Parameters
+        ----------
+        level : float
+            Factor by which it is coarser (above 1) or finer than in the scene.
+        """
         return self.ways.get(level, f"x {level:.3g}")
 
 
 def numerical_settings(scene: Scene) -> list[Setting]:
-    """Settings that act in a scene."""
+    """Settings that act in a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     found = [_step(scene), _stiffness(scene), _elements(scene), _window(scene), _spacing(scene)]
     found += [_precision(scene), _transfer(scene)]
     if "thermodynamics" in scene.effects:

@@ -47,7 +47,13 @@ class Variant:
 
     @classmethod
     def from_text(cls, text: str) -> Variant:
-        """Read what `as_text` wrote."""
+        """Read what `as_text` wrote.
+
+        Parameters
+        ----------
+        text : str
+            JSON.
+        """
         return cls(**json.loads(text))
 
 

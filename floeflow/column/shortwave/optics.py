@@ -111,7 +111,18 @@ def ice_scattering(kind, band, p):
 
 @jit
 def grain_place(radius):
-    """Row of the table below a grain radius (um), and the share of the next row."""
+    """Row of the table below a grain radius (um), and the share of the next row.
+
+    Parameters
+    ----------
+    radius : float
+        Of snow grains (um).
+
+    Returns
+    -------
+    tuple
+        Row (int) and share (1).
+    """
     last = GRAINS.size - 1
     if radius < GRAINS[0]:
         return 0, 0.0

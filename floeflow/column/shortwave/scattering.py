@@ -111,6 +111,16 @@ def fading(path):
     """exp(-path) for a path of 0 to 10, in a form that is computed for several at once.
 
     The fifth power of two of a polynomial on [-0.32, 0]: relative error below 1e-14.
+
+    Parameters
+    ----------
+    path : float
+        Optical path, 0 to 10 (1).
+
+    Returns
+    -------
+    float
+        1.
     """
     x = 0.15625 - path * 0.03125
     xx = x * x
@@ -231,7 +241,18 @@ def copy_layer(r, k):
 
 @jit
 def refracted(sun):
-    """Cosine of the beam's direction in ice or water (Snell)."""
+    """Cosine of the beam's direction in ice or water (Snell).
+
+    Parameters
+    ----------
+    sun : float
+        Cosine of the beam's zenith angle in air.
+
+    Returns
+    -------
+    float
+        1.
+    """
     return math.sqrt(1.0 - (1.0 - sun * sun) / (REFRACTION * REFRACTION))
 
 

@@ -108,6 +108,16 @@ def stability(ratio):
     """Integrated stability functions of momentum and scalars at z/L.
 
     Stable: Holtslag and De Bruin (1988). Unstable: Paulson (1970). Theory, eq. 10.
+
+    Parameters
+    ----------
+    ratio : float
+        Height over Obukhov length, z/L (1).
+
+    Returns
+    -------
+    tuple of float
+        Of momentum and of scalars (1).
     """
     if ratio >= 0.0:
         psi = -(0.7 * ratio + 0.75 * (ratio - 14.3) * math.exp(-0.35 * ratio) + 10.7)

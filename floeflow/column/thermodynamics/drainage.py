@@ -21,7 +21,13 @@ NO_FLOW = 1e-30
 
 @jit
 def permeability(liquid):
-    """Permeability (m2) of mush (eq. 6)."""
+    """Permeability (m2) of mush (eq. 6).
+
+    Parameters
+    ----------
+    liquid : float
+        Liquid fraction of the mush (1).
+    """
     return 3e-8 * max(liquid - 0.05, 0.0) ** 3
 
 

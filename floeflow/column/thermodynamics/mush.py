@@ -20,7 +20,13 @@ MEETING_TEMPERATURE, MEETING_SALINITY = -7.6362968855167352, 123.66702800276086
 
 @jit
 def brine_salinity(temperature):
-    """Salinity (1e-3) of brine that is in equilibrium with ice (eq. 1)."""
+    """Salinity (1e-3) of brine that is in equilibrium with ice (eq. 1).
+
+    Parameters
+    ----------
+    temperature : float
+        Of the ice (degC).
+    """
     if temperature > 0.0:
         return 0.0
     warm = temperature > MEETING_TEMPERATURE
@@ -31,7 +37,13 @@ def brine_salinity(temperature):
 
 @jit
 def liquidus(salinity):
-    """Temperature (degC) at which brine of a salinity begins to freeze (eq. 1)."""
+    """Temperature (degC) at which brine of a salinity begins to freeze (eq. 1).
+
+    Parameters
+    ----------
+    salinity : float
+        Of the brine (1e-3).
+    """
     warm = salinity <= MEETING_SALINITY
     slope = WARM_SLOPE if warm else COLD_SLOPE
     offset = WARM_OFFSET if warm else COLD_OFFSET
@@ -59,7 +71,13 @@ def liquid_fraction(temperature, salinity):
 
 @jit
 def brine_density(salinity):
-    """Density of brine (kg/m3) of a salinity (1e-3); Notz (2005); eq. 3."""
+    """Density of brine (kg/m3) of a salinity (1e-3); Notz (2005); eq. 3.
+
+    Parameters
+    ----------
+    salinity : float
+        Of the brine (1e-3).
+    """
     return 1000.3 + 0.78237 * salinity + 2.8008e-4 * salinity**2
 
 

@@ -28,6 +28,11 @@ def category_bounds(categories: int) -> NDArray[np.float64]:
 
     The last is so high that it bounds nothing. A single category starts at 0.1 m: thinner ice gives
     up area instead.
+
+    Parameters
+    ----------
+    categories : int
+        Their number.
     """
     if categories == 1:
         return np.array([0.1, 999.9])

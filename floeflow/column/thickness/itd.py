@@ -76,7 +76,13 @@ _remap_all = _build(sources_digest())
 
 
 def thicknesses(state: ColumnState) -> Array:
-    """Thickness of each category (m), zero where there is no ice, (n, ncat)."""
+    """Thickness of each category (m), zero where there is no ice, (n, ncat).
+
+    Parameters
+    ----------
+    state : ColumnState
+        n elements of ncat categories.
+    """
     exists = state.ice_fraction > 0.0
     return np.where(exists, state.ice_volume / np.where(exists, state.ice_fraction, 1.0), 0.0)
 

@@ -105,7 +105,13 @@ def returned_ice(
 
 
 def join_returned(parts: Sequence[Returned]) -> Returned:
-    """All of them behind each other."""
+    """All of them behind each other.
+
+    Parameters
+    ----------
+    parts : sequence of Returned
+        Of several elements or ranks.
+    """
     names = [field.name for field in fields(Returned)]
     return Returned(*(np.concatenate([getattr(each, name) for each in parts]) for name in names))
 

@@ -263,7 +263,13 @@ def _once(q, value, over, wall):  # type: ignore[no-untyped-def]
 
 
 def element_kinds(elements: Arrays) -> Kinds:
-    """Each element on its own where there are few, else classes of like radius and thickness."""
+    """Each element on its own where there are few, else classes of like radius and thickness.
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    """
     inverse = np.where(np.asarray(elements["type"]) == FIXED, 0.0, 1.0 / elements["mass"])
     radius, thickness = (np.asarray(elements[name], float) for name in ("radius", "thickness"))
     of, n = np.arange(len(radius)), len(radius)
