@@ -57,7 +57,7 @@ def pack_stiffness(
 
     Bonds are there as a network, whole where they are cracked. Contacts are not known beforehand:
     the most that finds room around an element beside its bonds stands on the diagonal
-    (`contactroom.py`).
+    (`contact_room.py`).
 
     Parameters
     ----------
