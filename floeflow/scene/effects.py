@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from floeflow.core.errors import FloeError
+from floeflow.core.extensions import load_extensions
 
 
 @dataclass(frozen=True)
@@ -368,6 +369,33 @@ _REGISTERED = (
 )
 
 EFFECTS: dict[str, Effect] = {effect.name: effect for effect in _REGISTERED}
+
+
+def add_effect(effect: Effect) -> None:
+    """Register an effect, from an extension (`floeflow.core.extensions`) for instance.
+
+    Parameters
+    ----------
+    effect : Effect
+        It comes after those that are there.
+
+    Raises
+    ------
+    ValueError
+        Where its name is taken, or it needs or excludes what is not there.
+    """
+    lost = [name for name in (*effect.needs, *effect.excludes) if name not in EFFECTS]
+    if effect.name in EFFECTS or lost:
+        fault = f"names '{lost[0]}', which is no effect" if lost else "is there already"
+        raise ValueError(f"the effect '{effect.name}' {fault}")
+    EFFECTS[effect.name] = effect
+
+
+def known_effects() -> dict[str, Effect]:
+    """All effects by name, those of extensions included."""
+    load_extensions()
+    return EFFECTS
+
 
 # Variables that only some column schemes have; the others of an effect come with every scheme.
 SCHEME_STATE: dict[str, tuple[str, ...]] = {

@@ -139,6 +139,7 @@ def test_a_command_block_runs_as_typed(block: Block, checkout: Path):
 PYTHON = {
     "docs/contributing/column_process.md": "tests/unit/setup/test_recipes.py",
     "docs/contributing/diagnostic.md": "tests/unit/setup/test_recipes.py",
+    "docs/contributing/effect.md": "tests/unit/setup/test_recipes.py",
     "docs/contributing/figure.md": "tests/unit/setup/test_recipes.py",
     "docs/contributing/reader.md": "tests/unit/setup/test_recipes.py",
     "docs/export.md": "tests/unit/diagnostics/test_trajectory.py",
