@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What is in a file: variables by CF standard name, dimensions by their role, projection.
 
-Only attributes and coordinates are read here: the front door calls this before any job.
+Only attributes and coordinates are read here: the workflow calls this before any job.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from collections.abc import Callable
 class FloeError(Exception):
     """A fault in what the user gave, said in one clear sentence.
 
-    The front door and the stages print it without a traceback and exit with code 1. It is one line,
+    The workflow and the stages print it without a traceback and exit with code 1. It is one line,
     whatever breaks and controls of a terminal the names and attributes of a file hold.
     """
 

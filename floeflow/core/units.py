@@ -92,7 +92,7 @@ def conversion(text: str, si: str) -> tuple[float, float] | None:
 
 
 def _by_pint(text: str, si: str) -> tuple[float, float] | None:
-    # Seconds of imports and tables, which files in common units do not pay for.
+    # Seconds of imports and tables, which files in common units do not need.
     from cf_xarray.units import units as registry
 
     try:

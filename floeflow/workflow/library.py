@@ -13,7 +13,7 @@ from floeflow.core.extensions import extension_digest
 from floeflow.core.file_hash import file_hash
 
 # Packages behind each stage, beside those that all share. Keys of the scene have hashes of their
-# own, so a new key alone redoes nothing.
+# own, so a new key alone reruns nothing.
 SHARED = ("core", "state")
 PACKAGES: dict[str, tuple[str, ...]] = {
     "land": ("masks",),

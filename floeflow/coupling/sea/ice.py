@@ -117,7 +117,7 @@ def join_returned(parts: Sequence[Returned]) -> Returned:
 
 
 def dissolve(water: Water, columns: Columns, area: Array, share: object) -> tuple[Water, Terms]:
-    """Let ice and snow of columns melt into the sea, which pays for it.
+    """Let ice and snow of columns melt into the sea, which gives the heat.
 
     Parameters
     ----------

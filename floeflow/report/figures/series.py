@@ -172,13 +172,13 @@ def _figure(x_label: str, y_label: str, lines: list[Line]) -> Figure:
             axes.plot(x, y, plain, color=colour, label=label, markersize=3.5)
         axes.set_xlabel(x_label)
         axes.set_ylabel(y_label)
-        _tidy(axes, [np.asarray(line[1], dtype=float) for line in lines])
+        _style_axes(axes, [np.asarray(line[1], dtype=float) for line in lines])
         if len(lines) > 1:
             figure.legend(loc="outside upper right", ncols=2, fontsize=8.5)
     return figure
 
 
-def _tidy(axes: Axes, values: list[np.ndarray]) -> None:
+def _style_axes(axes: Axes, values: list[np.ndarray]) -> None:
     axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(x=0.01)
