@@ -75,8 +75,8 @@ def test_blocks_have_commands_and_tags_have_reasons():
 
 
 def test_commands_are_written_with_their_path():
-    """Nothing of .venv/bin is on a PATH: no line is a bare command of it."""
-    bare = re.compile(r"^(?:\$ | {4})(?:floeflow|snakemake|python|pytest) ", re.M)
+    """Nothing of .venv/bin is on a PATH: no line and no sentence has a bare command of it."""
+    bare = re.compile(r"(?:^(?:\$ | {4})|(?<!`)`)(?:floeflow|snakemake|python|pytest) ", re.M)
     lost = {
         page.relative_to(PROJECT).as_posix(): bare.findall(page.read_text())
         for page in PAGES
