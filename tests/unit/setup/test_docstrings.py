@@ -9,6 +9,8 @@ commands, whose docstrings are what ``--help`` prints.
 from __future__ import annotations
 
 import ast
+import re
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -58,6 +60,16 @@ def test_a_function_without_sections_is_found():
     assert without_sections('class A:\n    def add(self, a):\n        """Sum."""\n') == ["add"]
     assert without_sections('def _add(a, b):\n    """Sum."""\n') == []
     assert without_sections('def length():\n    """A length (m)."""\n') == []
+
+
+def test_no_module_is_left_out_of_the_check_of_types(project: Path):
+    """Compiled functions have types too: mypy asks for them everywhere (`make lint`)."""
+    left_out = re.compile(r"# mypy: |\[no-untyped-def\]|\bno_type_check\b")
+    paths = sorted((project / "floeflow").rglob("*.py"))
+    assert [path for path in paths if left_out.search(path.read_text())] == []
+    settings = tomllib.loads((project / "pyproject.toml").read_text())["tool"]["mypy"]
+    assert settings["disallow_untyped_defs"]
+    assert not any("disallow_untyped_defs" in each for each in settings["overrides"])
 
 
 COMMANDS_OF_APP = typer.main.get_group(app).commands
