@@ -48,7 +48,7 @@ def accuracy_rows(results: Path) -> Iterator[list[object]]:
             level = float(data["level"].values[k])
             yield [
                 data.attrs["scene"],
-                str(data["knob"].values[k]),
+                str(data["setting"].values[k]),
                 level if np.isfinite(level) else str(data["run"].values[k]),
                 float(data["work"].values[k]),
                 float(data["element_steps"].values[k]),
@@ -60,7 +60,14 @@ def summary(results: Path) -> str:
     """Both tables as Markdown."""
     head = ("benchmark", "case", "size", "ranks", "seconds", "peer", "ratio", "version")
     times = Table("Benchmarks", head, list(benchmark_rows(results / "benchmarks")))
-    head = ("scene", "knob", "level", "work (1)", "element-steps (1)", *(f"{n} (%)" for n in KEPT))
+    head = (
+        "scene",
+        "setting",
+        "level",
+        "work (1)",
+        "element-steps (1)",
+        *(f"{n} (%)" for n in KEPT),
+    )
     cost = Table("Accuracy against cost", head, list(accuracy_rows(results)))
     parts = [f"# {table.title}\n\n{as_markdown(table)}\n" for table in (times, cost)]
     return "\n".join(parts)

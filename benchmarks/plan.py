@@ -3,8 +3,8 @@
 
 Usage: python benchmarks/plan.py [--out FILE]
 The scenes of ``benchmarks/held_out`` were fixed before the models were fitted. Each runs as it
-stands and with all knobs (but the elements) at their finest. Time is the wall time of all jobs, one
-after the other: it wants idle cores.
+stands and with all settings (but the elements) at their finest. Time is the wall time of all jobs,
+one after the other: it wants idle cores.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pathlib import Path
 from floeflow.analysis.estimate.conditions import conditions
 from floeflow.analysis.estimate.cost import coefficients, run_seconds
 from floeflow.analysis.plan.pack import fitted_to_pack
-from floeflow.analysis.plan.precision import error_model, knob_errors, total_error
+from floeflow.analysis.plan.precision import error_model, setting_errors, total_error
 from floeflow.analysis.studies.accuracy_table import REFERENCE
 from floeflow.analysis.studies.compare import read_ends
 from floeflow.analysis.studies.measures import KEPT
@@ -95,9 +95,9 @@ def compare(path: Path) -> Row:
     c = conditions(scene)
     fit = fitted_to_pack(scene, c, coefficients())
     outcome, finest = run(path, scene, ranks)
-    by_knob = knob_errors(scene, c, error_model())
+    by_setting = setting_errors(scene, c, error_model())
     # Both runs have the same elements.
-    guess = {norm: total_error(by_knob, (norm,), but=("element_size",)) for norm in KEPT}
+    guess = {norm: total_error(by_setting, (norm,), but=("element_size",)) for norm in KEPT}
     return Row(
         scene,
         ranks,

@@ -26,7 +26,7 @@ from floeflow.transfer import (
     build_remapper,
     build_sampler,
     build_weights,
-    carry,
+    conservative_transfer,
     nearest_bounded,
     open_room,
 )
@@ -135,7 +135,7 @@ def hierarchy(count: int, repeats: int) -> list[Record]:
     remapper = build_remapper(x, y, parents, open_room(grid))
     return [
         beside(
-            *("carry", len(x), repeats, lambda: carry(FIELDS, values, remapper)),
+            *("carry", len(x), repeats, lambda: conservative_transfer(FIELDS, values, remapper)),
             fields=len(FIELDS),
         )
     ]

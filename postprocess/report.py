@@ -6,7 +6,7 @@ from pathlib import Path
 
 from floeflow.core.atomic_write import write_text
 from floeflow.diagnostics.collect import read_grid
-from floeflow.diagnostics.study_summaries import read_digest
+from floeflow.diagnostics.study_summaries import read_summary
 from floeflow.forcings.inputs import described
 from floeflow.report.report import Material, build_report, read_numbers
 from floeflow.scene import Scene
@@ -37,7 +37,7 @@ def main(snakemake: Snakemake) -> None:
         benchmarks=[Path(path) for path in given.benchmarks],
         estimates=json.loads(Path(given.estimates).read_text(encoding="utf-8")),
         inputs=_inputs(scene, given.mask),
-        studies=[read_digest(Path(path)) for path in snakemake.params.studies],
+        studies=[read_summary(Path(path)) for path in snakemake.params.studies],
     )
     page = build_report(scene, material, Path(snakemake.output.figures))
     write_text(page, Path(snakemake.output.report))

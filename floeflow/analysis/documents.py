@@ -22,9 +22,9 @@ the plugin, no variable in the state, no figure in the report.
 $ .venv/bin/floeflow effects config/scenes/mine.yaml
 ```
 
-estimates from the scene alone how far each effect would move the results and what share of the run
-time it would cost, and recommends. `effects: auto` in a scene takes the recommendation. Every run
-writes the estimates to `results/<scene>/effects.json` and into its report.
+This estimates from the scene alone how far each effect would move the results and what share of the
+run time it would cost, and recommends effects. `effects: auto` in a scene takes the recommendation.
+Every run writes the estimates to `results/<scene>/effects.json` and into its report.
 [How the estimates are made](estimates.md).
 
 This page is generated from `floeflow/scene/effects.py` and

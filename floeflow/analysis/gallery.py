@@ -89,7 +89,13 @@ VIEWS = (
 
 
 def found_file(path: str) -> str:
-    """A file of a scene: its own path, or one of that name under the shared folder; or empty."""
+    """A file of a scene: its own path, or one of that name under the shared folder; or empty.
+
+    Parameters
+    ----------
+    path : str
+        As the scene names it, from the project's folder.
+    """
     if not path or (PROJECT / path).is_file():
         return path and str(PROJECT / path)
     shared = os.environ.get(SHARED)
@@ -99,7 +105,13 @@ def found_file(path: str) -> str:
 
 
 def with_files(scene: Scene) -> Scene | None:
-    """The scene with its files where they are; None where one is missing."""
+    """The scene with its files where they are; None where one is missing.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     mask = scene.mask
     labels = mask.labels.model_copy(update={"file": found_file(mask.labels.file)})
     changes = {"labels": labels, "file": found_file(mask.file)}
@@ -111,7 +123,18 @@ def with_files(scene: Scene) -> Scene | None:
 
 
 def colours(packing: xr.Dataset) -> np.ndarray:
-    """Of each element: by its floe, or by concentration; those of the coast are left out."""
+    """Of each element: by its floe, or by concentration; those of the coast are left out.
+
+    Parameters
+    ----------
+    packing : xarray.Dataset
+        Elements of the packing.
+
+    Returns
+    -------
+    ndarray
+        RGBA of the mobile elements, (n, 4).
+    """
     mobile = packing["type"].values == MOBILE
     if "floe" in packing:
         tones = np.random.default_rng(3).uniform(0.45, 0.98, (int(packing["floe"].max()) + 1, 3))
@@ -170,7 +193,13 @@ def draw(view: View, scene: Scene, mask: xr.Dataset, packing: xr.Dataset) -> Fig
 
 
 def copies(packing: xr.Dataset) -> list[np.ndarray]:
-    """Shifts (km), (2,), at which a packing is drawn: where it is, and where it repeats itself."""
+    """Shifts (km), (2,), at which a packing is drawn: where it is, and where it repeats itself.
+
+    Parameters
+    ----------
+    packing : xarray.Dataset
+        Elements, and the period as attributes.
+    """
     return [shift / 1e3 for shift in shifts(period_of(packing.attrs))]
 
 
@@ -210,7 +239,13 @@ def draw_discs(axes: Axes, packing: xr.Dataset, bonds: xr.Dataset | None) -> Non
 
 
 def figures_of(made: Pack) -> str:
-    """A line of figures for the page."""
+    """A line of figures for the page.
+
+    Parameters
+    ----------
+    made : Pack
+        Packing, and what making it took.
+    """
     packing, bonds = made.packing, made.bonds
     value = {str(name): float(item) for name, item in packing.data_vars.items() if item.ndim == 0}
     mobile = int((packing["type"].values == MOBILE).sum())
@@ -232,7 +267,18 @@ def figures_of(made: Pack) -> str:
 
 
 def main(names: list[str]) -> int:
-    """Draw the scenes that are named, or all, and write the page anew."""
+    """Draw the scenes that are named, or all, and write the page anew.
+
+    Parameters
+    ----------
+    names : list of str
+        Of scenes in ``config/scenes``; empty for all.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
     PICTURES.mkdir(parents=True, exist_ok=True)
     for view in VIEWS:
         if names and view.scene not in names:

@@ -73,6 +73,11 @@ class Finding:
 def find_inputs(scene: Scene) -> list[Finding]:
     """Check a scene's files and say what was found in them.
 
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+
     Raises
     ------
     FloeError
@@ -88,7 +93,13 @@ def find_inputs(scene: Scene) -> list[Finding]:
 
 
 def say(findings: list[Finding]) -> str:
-    """All findings as text."""
+    """All findings as text.
+
+    Parameters
+    ----------
+    findings : list of Finding
+        Of one scene.
+    """
     return "\n".join(line for finding in findings for line in finding.lines())
 
 

@@ -25,7 +25,13 @@ STORE_MARKS = (".zgroup", ".zmetadata", "zarr.json")
 
 
 def files_behind(scene: Scene) -> list[tuple[str, int, int]]:
-    """Files that a check reads: name, size (bytes) and time of the last change (ns)."""
+    """Files that a check reads: name, size (bytes) and time of the last change (ns).
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     try:
         given = [
             scene.mask.file,

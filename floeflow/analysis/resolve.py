@@ -13,6 +13,11 @@ from floeflow.scene.load import load_scene
 def resolve_scene(path: str | Path) -> Scene:
     """Read a scene file; ``effects: auto`` becomes the effects that the estimates recommend.
 
+    Parameters
+    ----------
+    path : str or Path
+        Of the scene file.
+
     Raises
     ------
     FloeError
@@ -23,6 +28,11 @@ def resolve_scene(path: str | Path) -> Scene:
 
 def checked_scene(path: str | Path) -> Scene:
     """As `resolve_scene`, its input files checked in a process of their own before they are read.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the scene file.
 
     Raises
     ------

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Columns at a start, and the temperatures of their layers.
 
 Ice goes into the categories that hold its thickness. Its layers and the snow on it have the
@@ -38,7 +37,9 @@ SNOW_LAYERS = 1
 
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, error_model="numpy")
-    def convert(values, salinity, snow, inverse, constants):
+    def convert(
+        values: np.ndarray, salinity: np.ndarray, snow: bool, inverse: bool, constants: np.ndarray
+    ) -> np.ndarray:
         """Enthalpies (J/m3) of layers of given temperatures (degC), or ``inverse``; (n,)."""
         digest  # noqa: B018  (part of the key under which Numba caches)
         p = constants[0]

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """One column through its processes, and all columns of a slice in parallel.
 
 The only function that Python calls is `advance`, compiled once and cached. What Numba caches
@@ -13,9 +12,10 @@ import hashlib
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numba
+import numpy as np
 
 from floeflow.column import records as r
 from floeflow.column.ocean.ocean import MixedLayer, freezing_temperature, heat_to_ice, limit, mix
@@ -46,6 +46,10 @@ from floeflow.column.thickness.category_cleanup import clear, empty, melt_sides,
 from floeflow.column.thickness.leads import lead_balance
 from floeflow.column.thickness.new_ice import freeze_leads
 
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.records import Column, Sea
+
 HOUR = 3600.0  # s
 SKY = 10.0  # K by which a clear sky may make a surface colder than the air
 CHUNK = 64  # columns that a thread takes at a time; has no effect on results
@@ -73,7 +77,16 @@ class Work(NamedTuple):
 
 
 @jit
-def grow_category(c, n, work, f, water, sums, dt, p):
+def grow_category(
+    c: Column,
+    n: int,
+    work: Work,
+    f: np.ndarray,
+    water: Water,
+    sums: np.ndarray,
+    dt: float,
+    p: Physics,
+) -> tuple[float, ...]:
     """Advance one category vertically; energy and light (J/m2) that it lets into the sea.
 
     Order: light, turbulent coefficients, temperatures, flooding, thickness, ponds.
@@ -170,13 +183,33 @@ def grow_category(c, n, work, f, water, sums, dt, p):
 
 
 @jit
-def air_of(f):
-    """Air in the forcing of a step."""
+def air_of(f: np.ndarray) -> Air:
+    """Air in the forcing of a step.
+
+    Parameters
+    ----------
+    f : ndarray
+        Forcing of one element in one step, in the order of `records`.
+
+    Returns
+    -------
+    Air
+        Potential temperature (K), humidity (kg/kg), density (kg/m3), wind (m/s), longwave (W/m2).
+    """
     return Air(f[r.POTENTIAL_TEMPERATURE], f[r.HUMIDITY], f[r.DENSITY], f[r.WIND], f[r.LONGWAVE])
 
 
 @jit
-def step_column(c, sea, pending, work, f, sums, dt, p):
+def step_column(
+    c: Column,
+    sea: float,
+    pending: float,
+    work: Work,
+    f: np.ndarray,
+    sums: np.ndarray,
+    dt: float,
+    p: Physics,
+) -> tuple[float, ...]:
     """One step of one column; temperature of the mixed layer and energy to be frozen (J/m2).
 
     Parameters
@@ -261,7 +294,7 @@ def step_column(c, sea, pending, work, f, sums, dt, p):
 
 
 @jit
-def parts_of_step(c, f, dt, p):
+def parts_of_step(c: Column, f: np.ndarray, dt: float, p: Physics) -> int:
     """Parts, an hour at most, into which a column cuts a step in which thin ice would outgrow.
 
     Growth takes the flux through the ice of the step's start. By Stefan's law ice of thickness h
@@ -300,7 +333,16 @@ def parts_of_step(c, f, dt, p):
 
 
 @jit
-def step_some(part, columns, sea, work, forcing, sums, dt, constants):
+def step_some(
+    part: tuple[int, ...],
+    columns: Column,
+    sea: Sea,
+    work: Work,
+    forcing: np.ndarray,
+    sums: np.ndarray,
+    dt: float,
+    constants: np.ndarray,
+) -> None:
     """Take some elements through all steps, one element after the other.
 
     Parameters
@@ -336,7 +378,16 @@ def step_some(part, columns, sea, work, forcing, sums, dt, constants):
 
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, parallel=True, error_model="numpy")
-    def advance(columns, sea, forcing, profile, bounds, sums, dt, constants):
+    def advance(
+        columns: Column,
+        sea: Sea,
+        forcing: np.ndarray,
+        profile: np.ndarray,
+        bounds: np.ndarray,
+        sums: np.ndarray,
+        dt: float,
+        constants: np.ndarray,
+    ) -> None:
         """Advance columns by all steps of the forcing.
 
         Parameters

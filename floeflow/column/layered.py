@@ -227,7 +227,13 @@ def _copy(values: Array) -> Array:
 
 
 def ice_energy(state: LayeredState) -> Array:
-    """Energy of ice and snow against water at 0 degC (J/m2, negative), (n,)."""
+    """Energy of ice and snow against water at 0 degC (J/m2, negative), (n,).
+
+    Parameters
+    ----------
+    state : LayeredState
+        n elements with their categories.
+    """
     ice = state.ice_enthalpy.mean(axis=2) * state.ice_volume
     snow = state.snow_enthalpy.mean(axis=2) * state.snow_volume
     return np.asarray((ice + snow).sum(axis=1))

@@ -30,7 +30,13 @@ SOLVES = ("temperature_solves", "temperature_rescued", "temperature_unconverged"
 
 
 def layered_physics(settings: Settings) -> Physics:
-    """Constants of layered ice under these settings."""
+    """Constants of layered ice under these settings.
+
+    Parameters
+    ----------
+    settings : Settings
+        What the column is asked for.
+    """
     defaults, keys = Physics(), settings.physics
     tuned = {name: getattr(keys, name) for name in Physics._fields if hasattr(keys, name)}
     mushy, convergent = settings.scheme == "mushy", settings.variant == "convergent"
@@ -54,7 +60,13 @@ def layered_physics(settings: Settings) -> Physics:
 
 
 def freezing_point(settings: Settings) -> float:
-    """Freezing point of the sea (degC): the liquidus of brine for mush, else a straight line."""
+    """Freezing point of the sea (degC): the liquidus of brine for mush, else a straight line.
+
+    Parameters
+    ----------
+    settings : Settings
+        What the column is asked for.
+    """
     if settings.scheme == "mushy":
         return float(liquidus.py_func(settings.ocean_salinity))
     return -Physics().melting_slope * settings.ocean_salinity
@@ -182,7 +194,13 @@ def stored(columns: Columns, settings: Settings) -> dict[str, Array]:
 
 
 def pond_water(state: LayeredState) -> Array:
-    """Water in ponds (m per area), (n,)."""
+    """Water in ponds (m per area), (n,).
+
+    Parameters
+    ----------
+    state : LayeredState
+        n elements with their categories.
+    """
     wet = state.ice_fraction * state.level_area * state.pond_area
     return np.asarray((wet * state.pond_depth).sum(axis=1))
 

@@ -174,12 +174,24 @@ class Settings:
         return many and self.has("shortwave")
 
     def has(self, process: str) -> bool:
-        """Whether a process is simulated."""
+        """Whether a process is simulated.
+
+        Parameters
+        ----------
+        process : str
+            Name of the process.
+        """
         return process in self.processes
 
 
 def zero_layer_params(settings: Settings) -> ColumnParams:
-    """Constants of zero-layer ice under these settings."""
+    """Constants of zero-layer ice under these settings.
+
+    Parameters
+    ----------
+    settings : Settings
+        What the column is asked for.
+    """
     return ColumnParams(
         new_ice_thickness=settings.new_ice_thickness,
         ocean_salinity=settings.ocean_salinity,

@@ -22,7 +22,7 @@ _LEAN: dict[str, Any] = {"_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wr
 jit: Any = numba.njit(error_model="numpy", nogil=True, **_LEAN)
 """Compile a small function that only compiled functions call; what Python calls is in kernel.py.
 
-Their arguments carry no types: Numba finds them, and mypy is told not to ask in those files.
+Types in their signatures are for readers and mypy: Numba finds those of each call by itself.
 Without counting references to arrays (`_nrt`), which takes half the time otherwise: they can view
 arrays but not make any, for which there is `jit_making`. A function that counts (`jit_making`, and
 what Python calls) must take no array, view or record of them from one that does not: it would give
@@ -282,6 +282,11 @@ def as_records(p: Physics) -> Any:
 
     Compiled functions take its address, where of the tuple they would pass all numbers in every
     call: that compiles much faster.
+
+    Parameters
+    ----------
+    p : Physics
+        Constants, SI.
     """
     kinds = {float: "f8", int: "i8", bool: "?"}
     defaults = Physics._field_defaults

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Names for what compiled functions pass around: one element's columns, scratch, and sums.
 
 `FORCING` and `SUMS` name the last axis of the arrays of forcing and of budget terms; compiled code
@@ -249,7 +248,7 @@ class Scratch(NamedTuple):
 
 
 @jit_making
-def new_scratch(categories, ice_layers, snow_layers):
+def new_scratch(categories: int, ice_layers: int, snow_layers: int) -> Scratch:
     """Return work arrays for a number of categories and layers.
 
     Parameters
@@ -283,7 +282,7 @@ def new_scratch(categories, ice_layers, snow_layers):
 
 
 @jit
-def column_of(columns, e):
+def column_of(columns: Column, e: int) -> Column:
     """Column of element e among those of all elements, as views.
 
     For functions that count no references to arrays alone (`physics.jit`).
@@ -313,7 +312,7 @@ def column_of(columns, e):
 
 
 @jit
-def category_salt(c, n):
+def category_salt(c: Column, n: int) -> float:
     """Salt of category n (1e-3 m).
 
     Parameters
@@ -335,7 +334,7 @@ def category_salt(c, n):
 
 
 @jit
-def category_energy(c, n):
+def category_energy(c: Column, n: int) -> float:
     """Energy of ice and snow of category n (J/m2, negative).
 
     Parameters
@@ -359,7 +358,7 @@ def category_energy(c, n):
 
 
 @jit
-def level_amounts(c, n, amounts):
+def level_amounts(c: Column, n: int, amounts: np.ndarray) -> None:
     """Level area and volume, pond area, water and lids of category n per area of the element.
 
     Parameters
@@ -381,7 +380,7 @@ def level_amounts(c, n, amounts):
 
 
 @jit
-def unit_share(part, whole):
+def unit_share(part: float, whole: float) -> float:
     """Share of a whole, between 0 and 1; 0 of nothing.
 
     Parameters
@@ -400,7 +399,7 @@ def unit_share(part, whole):
 
 
 @jit
-def level_shares(c, n, amounts):
+def level_shares(c: Column, n: int, amounts: np.ndarray) -> None:
     """Set what `level_amounts` gives back as shares and depths.
 
     Of a category that has nearly all gone, round-off may leave more level ice than ice.
@@ -424,7 +423,7 @@ def level_shares(c, n, amounts):
 
 
 @jit
-def category_water(c, n):
+def category_water(c: Column, n: int) -> float:
     """Water in the ponds of category n (m of water per area of the element).
 
     Parameters
@@ -444,8 +443,19 @@ def category_water(c, n):
 
 
 @jit
-def pond_water(c):
-    """Water in the ponds of all categories (m of water per area of the element)."""
+def pond_water(c: Column) -> float:
+    """Water in the ponds of all categories (m of water per area of the element).
+
+    Parameters
+    ----------
+    c : Column
+        Categories of the element.
+
+    Returns
+    -------
+    float
+        m.
+    """
     water = 0.0
     for n in range(c.area.size):
         water += category_water(c, n)

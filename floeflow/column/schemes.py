@@ -53,6 +53,11 @@ SCHEMES: dict[str, Scheme] = {
 def scheme_of(settings: Settings) -> Scheme:
     """The scheme that a run asks for.
 
+    Parameters
+    ----------
+    settings : Settings
+        What the column is asked for.
+
     Raises
     ------
     FloeError

@@ -10,7 +10,13 @@ from floeflow.scene.effects import column_processes
 
 
 def column_settings(scene: Scene) -> Settings:
-    """What the scene asks of its columns."""
+    """What the scene asks of its columns.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     column = scene.column
     return Settings(
         scheme=column.scheme,
@@ -28,6 +34,12 @@ def column_settings(scene: Scene) -> Settings:
 
 
 def first_ice(scene: Scene) -> FirstIce:
-    """What the scene says of the ice at its start, and of ice that comes in over its rim."""
+    """What the scene says of the ice at its start, and of ice that comes in over its rim.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     mask = scene.mask
     return FirstIce(mask.thickness_distribution, mask.level_share, mask.lead_ice)

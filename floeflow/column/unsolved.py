@@ -37,5 +37,11 @@ class UnsolvedError(FloeError):
         )
 
     def at(self, place: str) -> UnsolvedError:
-        """The same with the place of the first column in words."""
+        """The same with the place of the first column in words.
+
+        Parameters
+        ----------
+        place : str
+            The column's place, for people.
+        """
         return UnsolvedError(self.rows, self.count, self.bound, place)

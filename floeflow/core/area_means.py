@@ -38,7 +38,13 @@ class AreaMeans:
     inside: NDArray[np.bool_]
 
     def of(self, values: Array) -> Array:
-        """Values in the cells: (..., ny, nx), unpadded, to (..., points)."""
+        """Values in the cells: (..., ny, nx), unpadded, to (..., points).
+
+        Parameters
+        ----------
+        values : ndarray
+            Of the source's grid, in any unit.
+        """
         flat = values.reshape(-1, self.matrix.shape[1])
         means = np.asarray((self.matrix @ flat.T).T)
         return means.reshape(*values.shape[:-2], self.matrix.shape[0])

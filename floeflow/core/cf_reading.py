@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What is in a file: variables by CF standard name, dimensions by their role, projection.
 
-Only attributes and coordinates are read here: the front door calls this before any job.
+Only attributes and coordinates are read here: the workflow calls this before any job.
 """
 
 from __future__ import annotations
@@ -33,7 +33,13 @@ class Variable:
     kind: str = ""
 
     def text(self, attribute: str) -> str:
-        """An attribute as stripped text, empty where there is none."""
+        """An attribute as stripped text, empty where there is none.
+
+        Parameters
+        ----------
+        attribute : str
+            Name of the attribute.
+        """
         return str(self.attrs.get(attribute, "")).strip()
 
 
@@ -90,7 +96,13 @@ def describe(path: str | Path, hints: Hints | None = None) -> dict[str, Variable
 
 
 def variables_of(data: xr.Dataset) -> dict[str, Variable]:
-    """Variables of an open file."""
+    """Variables of an open file.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        The open file, undecoded.
+    """
     return {
         str(name): Variable(
             str(name),

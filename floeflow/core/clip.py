@@ -56,7 +56,15 @@ def shared(
 
 
 @njit(cache=True, nogil=True)
-def _clip_all(a, b, pair_a, pair_b, room, area, centre):  # type: ignore[no-untyped-def]
+def _clip_all(
+    a: _Rings,
+    b: _Rings,
+    pair_a: np.ndarray,
+    pair_b: np.ndarray,
+    room: int,
+    area: np.ndarray,
+    centre: np.ndarray,
+) -> None:
     start_a, ring_a = a
     start_b, ring_b = b
     now, then = np.empty((room, 2)), np.empty((room, 2))
@@ -89,7 +97,9 @@ def _clip_all(a, b, pair_a, pair_b, room, area, centre):  # type: ignore[no-unty
 
 
 @njit(cache=True, nogil=True)
-def _half(now, count, then, px, py, dx, dy):  # type: ignore[no-untyped-def]
+def _half(
+    now: np.ndarray, count: int, then: np.ndarray, px: float, py: float, dx: float, dy: float
+) -> int:
     """Keep what lies to the left of a line through p along d; returns the number of corners."""
     kept = 0
     for c in range(count):

@@ -76,7 +76,13 @@ def on_all(comm: MPI.Comm, function: Callable[..., T], *arguments: object) -> T:
 
 
 def leave(comm: MPI.Comm) -> None:
-    """End with exit code 1: in order where all ranks come here, else by aborting the rest."""
+    """End with exit code 1: in order where all ranks come here, else by aborting the rest.
+
+    Parameters
+    ----------
+    comm : MPI.Comm
+        Ranks of the program.
+    """
     barrier = comm.Ibarrier()
     deadline = time.monotonic() + PATIENCE_SECONDS
     while not barrier.Test():

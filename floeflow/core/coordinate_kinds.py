@@ -44,7 +44,18 @@ _SECONDS = {
 
 
 def seconds_in(unit: str) -> float | None:
-    """Seconds in a unit of time; None where it is none."""
+    """Seconds in a unit of time; None where it is none.
+
+    Parameters
+    ----------
+    unit : str
+        As in ``seconds since ...``, or alone.
+
+    Returns
+    -------
+    float or None
+        s.
+    """
     return _SECONDS.get(unit.strip().lower())
 
 
@@ -98,7 +109,13 @@ def kind_of(name: str, attrs: Mapping[str, Any]) -> str:
 
 
 def is_pressure(unit: str) -> bool:
-    """Whether these are units of pressure."""
+    """Whether these are units of pressure.
+
+    Parameters
+    ----------
+    unit : str
+        As in a file.
+    """
     return unit.lower() in {
         *("pa", "pascal", "pascals", "hpa", "mb", "mbar", "millibar", "millibars", "hectopascals"),
     }

@@ -13,7 +13,7 @@ from collections.abc import Callable
 class FloeError(Exception):
     """A fault in what the user gave, said in one clear sentence.
 
-    The front door and the stages print it without a traceback and exit with code 1. It is one line,
+    The workflow and the stages print it without a traceback and exit with code 1. It is one line,
     whatever breaks and controls of a terminal the names and attributes of a file hold.
     """
 
@@ -23,7 +23,13 @@ class FloeError(Exception):
 
 
 def plain(text: str) -> str:
-    """A text on one line: spaces for breaks, escapes for what no one can see."""
+    """A text on one line: spaces for breaks, escapes for what no one can see.
+
+    Parameters
+    ----------
+    text : str
+        Any text, as of a library's error.
+    """
     return "".join(
         sign if sign.isprintable() else " " if sign.isspace() else ascii(sign)[1:-1]
         for sign in text
@@ -34,6 +40,16 @@ def answer(command: Callable[[], object]) -> int:
     """Run a command and print what it returns, or its fault in one sentence; the exit code.
 
     A fault of the program itself is told in a sentence too.
+
+    Parameters
+    ----------
+    command : callable
+        The command; its result is printed.
+
+    Returns
+    -------
+    int
+        0, or 1 after a fault.
     """
     try:
         print(command())
@@ -47,7 +63,13 @@ def answer(command: Callable[[], object]) -> int:
 
 
 def unexpected(error: Exception) -> str:
-    """What is said of a fault of the program: a sentence, with the file that has its traceback."""
+    """What is said of a fault of the program: a sentence, with the file that has its traceback.
+
+    Parameters
+    ----------
+    error : Exception
+        That was raised.
+    """
     kind = type(error).__name__
     words = plain(" ".join(str(error).split()))[:200]
     said = f"{kind}: {words}" if words else kind
@@ -62,7 +84,18 @@ def unexpected(error: Exception) -> str:
 
 
 def answer_quietly(command: Callable[[], object]) -> int:
-    """`answer` without warnings of the log: an estimate reads what a run will warn of."""
+    """`answer` without warnings of the log: an estimate reads what a run will warn of.
+
+    Parameters
+    ----------
+    command : callable
+        The command; its result is printed.
+
+    Returns
+    -------
+    int
+        0, or 1 after a fault.
+    """
     before = logging.root.manager.disable
     logging.disable(logging.WARNING)
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Modules from outside that add readers, diagnostics, figures or column schemes.
+"""Modules from outside that add effects, readers, diagnostics, figures or column schemes.
 
 A package names its module as an entry point of the group ``floeflow.extensions``; importing the
 module registers what it adds. A registry loads them before it is first read. Their bytes are in

@@ -60,7 +60,13 @@ class Source:
         return (x, y) if self.crs is None else to_lonlat(self.crs, x, y)
 
     def padded(self, values: Array) -> Array:
-        """Add the wrapped column and the rows at the poles (mean of the last row)."""
+        """Add the wrapped column and the rows at the poles (mean of the last row).
+
+        Parameters
+        ----------
+        values : ndarray
+            (..., ny, nx).
+        """
         south, north = self.caps
         rows = [values]
         if south:
@@ -104,7 +110,13 @@ AnySource = Source | Curvilinear
 
 
 def shape_of(source: AnySource) -> tuple[int, int]:
-    """Rows and columns of a source, unpadded."""
+    """Rows and columns of a source, unpadded.
+
+    Parameters
+    ----------
+    source : AnySource
+        Grid or points of a file.
+    """
     if isinstance(source, Curvilinear):
         return source.lon.shape[0], source.lon.shape[1]
     return source.y.size, source.x.size

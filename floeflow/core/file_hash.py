@@ -12,6 +12,16 @@ from floeflow.core.errors import FloeError
 def file_hash(path: str | Path) -> str:
     """SHA-256 of a file's bytes.
 
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+
     Raises
     ------
     FloeError

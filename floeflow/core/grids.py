@@ -125,7 +125,13 @@ def _grid(domain: Domain, refine: int) -> Grid:
 
 
 def scene_grid(domain: Domain) -> Grid:
-    """Grid of forcing and output: cells of ``domain.spacing``."""
+    """Grid of forcing and output: cells of ``domain.spacing``.
+
+    Parameters
+    ----------
+    domain : Domain
+        Rectangle of the scene (m).
+    """
     return _grid(domain, 1)
 
 
@@ -150,6 +156,11 @@ def mask_grid(domain: Domain, refine: int) -> Grid:
 def scene_crs(domain: Domain) -> pyproj.CRS:
     """Projection of the scene.
 
+    Parameters
+    ----------
+    domain : Domain
+        With the name of a projection.
+
     Raises
     ------
     FloeError
@@ -165,14 +176,26 @@ def scene_crs(domain: Domain) -> pyproj.CRS:
 
 
 def geodetic(crs: pyproj.CRS) -> pyproj.CRS:
-    """Longitude and latitude on the projection's own ellipsoid (or sphere)."""
+    """Longitude and latitude on the projection's own ellipsoid (or sphere).
+
+    Parameters
+    ----------
+    crs : pyproj.CRS
+        A projection.
+    """
     base = crs.geodetic_crs
     assert base is not None
     return base
 
 
 def metres_per_unit(crs: pyproj.CRS) -> float:
-    """Metres in a unit of a projection's axes: 1000 with ``+units=km``."""
+    """Metres in a unit of a projection's axes: 1000 with ``+units=km``.
+
+    Parameters
+    ----------
+    crs : pyproj.CRS
+        A projection.
+    """
     axes = crs.axis_info
     return float(axes[0].unit_conversion_factor) if axes else 1.0
 

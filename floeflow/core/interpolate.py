@@ -33,7 +33,13 @@ class Transfer(Protocol):
         """Whether the source covers the place, (points,)."""
 
     def of(self, values: Array) -> Array:
-        """Values at the places: (..., ny, nx) of the source, unpadded, to (..., points)."""
+        """Values at the places: (..., ny, nx) of the source, unpadded, to (..., points).
+
+        Parameters
+        ----------
+        values : ndarray
+            In any unit.
+        """
 
 
 @dataclass(frozen=True)
@@ -62,12 +68,24 @@ class Weights:
     distance: Array | None = None
 
     def of(self, values: Array) -> Array:
-        """Values at the points: (..., ny, nx), unpadded, to (..., points)."""
+        """Values at the points: (..., ny, nx), unpadded, to (..., points).
+
+        Parameters
+        ----------
+        values : ndarray
+            In any unit.
+        """
         source = self.source
         return self.apply(source.padded(values) if isinstance(source, Source) else values)
 
     def apply(self, padded: Array) -> Array:
-        """Values at the points: (..., ny, nx) to (..., points)."""
+        """Values at the points: (..., ny, nx) to (..., points).
+
+        Parameters
+        ----------
+        padded : ndarray
+            With the wrapped column and the rows at the poles.
+        """
         flat = padded.reshape(*padded.shape[:-2], -1)
         # One corner after the other: four times less memory, and a fixed order of summation. A
         # corner without weight must not count even where it is NaN.

@@ -46,6 +46,11 @@ def claim_scene(folder: Path) -> int:
     Waits, with a sentence on standard error, for jobs that outlived an earlier workflow. Those that
     have not begun end when they do, as the scene has the id of this workflow from now on.
 
+    Parameters
+    ----------
+    folder : Path
+        ``results/<scene>``, which is made.
+
     Raises
     ------
     FloeError
@@ -111,7 +116,13 @@ def join_run(folder: Path) -> int:
 
 @contextlib.contextmanager
 def hold_job(folder: Path) -> Iterator[int]:
-    """Share a scene's job lock, see `join_run`; yields the descriptor, for children to inherit."""
+    """Share a scene's job lock, see `join_run`; yields the descriptor, for children to inherit.
+
+    Parameters
+    ----------
+    folder : Path
+        ``results/<scene>``.
+    """
     jobs = join_run(folder)
     try:
         yield jobs

@@ -10,7 +10,18 @@ from floeflow.core.errors import FloeError
 
 
 def check_mesh_file(path: Path) -> None:
-    """Refuse what would hang or fill the memory: no regular file, an STL shorter than it says."""
+    """Refuse what would hang or fill the memory: no regular file, an STL shorter than it says.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Raises
+    ------
+    FloeError
+        Names the file.
+    """
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):

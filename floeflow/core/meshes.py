@@ -94,6 +94,11 @@ def write_lines(path: Path, points: Array, cell_data: Mapping[str, NDArray[np.ge
 def read_faces(path: Path) -> tuple[Array, Array, Index]:
     """Read the triangles and quadrilaterals of a mesh in any format of meshio.
 
+    Parameters
+    ----------
+    path : Path
+        The file.
+
     Returns
     -------
     tuple of ndarray

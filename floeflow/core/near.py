@@ -61,7 +61,9 @@ def _frame(x: Array, y: Array, size: float) -> tuple[float, float, float, int, i
 
 
 @njit(cache=True, nogil=True)
-def _binned(x, y, x0, y0, size, nx, ny):  # type: ignore[no-untyped-def]
+def _binned(
+    x: np.ndarray, y: np.ndarray, x0: float, y0: float, size: float, nx: int, ny: int
+) -> tuple[np.ndarray, ...]:
     """Bin of each point, starts of the bins and the points in the order of bins."""
     count = len(x)
     bin_of = np.empty(count, np.int64)
@@ -82,7 +84,9 @@ def _binned(x, y, x0, y0, size, nx, ny):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _owners(marks, points, weight, bins, owner):  # type: ignore[no-untyped-def]
+def _owners(
+    marks: _Places, points: _Places, weight: np.ndarray, bins: _Bins, owner: np.ndarray
+) -> None:
     mx, my, of_mark = marks
     x, y, of = points
     x0, y0, size, nx, ny, start, order = bins
@@ -161,7 +165,14 @@ def owners(
 
 
 @njit(cache=True, nogil=True)
-def _thin(x, y, reach, turn, bins, chosen):  # type: ignore[no-untyped-def]
+def _thin(
+    x: np.ndarray,
+    y: np.ndarray,
+    reach: np.ndarray,
+    turn: np.ndarray,
+    bins: _Bins,
+    chosen: np.ndarray,
+) -> None:
     x0, y0, size, nx, ny, start, order = bins
     for k in turn:
         i = min(max(int((x[k] - x0) / size), 0), nx - 1)
@@ -207,7 +218,16 @@ def thin(points: Array, priority: Index, distance: float | Array) -> Flags:
 
 
 @njit(cache=True, nogil=True)
-def _pushes(x, y, radius, mobile, share, bins, px, py):  # type: ignore[no-untyped-def]
+def _pushes(
+    x: np.ndarray,
+    y: np.ndarray,
+    radius: np.ndarray,
+    mobile: int,
+    share: float,
+    bins: _Bins,
+    px: np.ndarray,
+    py: np.ndarray,
+) -> float:
     """Moves of all discs that would take away a share of each overlap; returns the deepest."""
     nx, ny, start, order = bins.nx, bins.ny, bins.start, bins.order
     deepest = 0.0
@@ -278,7 +298,7 @@ def pushes(points: Array, radius: Array, mobile: int, share: float) -> tuple[Arr
 
 
 @njit(cache=True, nogil=True)
-def _deepest(x, y, radius, mobile, bins):  # type: ignore[no-untyped-def]
+def _deepest(x: np.ndarray, y: np.ndarray, radius: np.ndarray, mobile: int, bins: _Bins) -> float:
     nx, ny, start, order = bins.nx, bins.ny, bins.start, bins.order
     deepest = 0.0
     for b in range(nx * ny):

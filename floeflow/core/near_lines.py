@@ -49,6 +49,11 @@ class NearLines:
         """Distance (m) of points (n, 2) from the lines, and the nearest place on one (m), (n, 2).
 
         Infinite and nan where no line is in reach.
+
+        Parameters
+        ----------
+        points : ndarray
+            m.
         """
         away, foot = np.full(len(points), np.inf), np.full((len(points), 2), np.nan)
         x, y = np.ascontiguousarray(points.T, dtype=float)
@@ -89,7 +94,7 @@ def near_lines(ends: Array, reach: float) -> NearLines:
 
 
 @njit(cache=True, nogil=True)
-def _away(px, py, ends):  # type: ignore[no-untyped-def]
+def _away(px: float, py: float, ends: np.ndarray) -> tuple[float, ...]:
     """Distance of a point from a line with ends, and its nearest place."""
     ax, ay = ends[0, 0], ends[0, 1]
     dx, dy = ends[1, 0] - ax, ends[1, 1] - ay
@@ -102,7 +107,13 @@ def _away(px, py, ends):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _sort(ends, reach, frame, at, line):  # type: ignore[no-untyped-def]
+def _sort(
+    ends: np.ndarray,
+    reach: float,
+    frame: tuple[float, float, float, int, int],
+    at: np.ndarray,
+    line: np.ndarray,
+) -> None:
     """Count the lines of each bin (no room in `line`: one bin later), or write them where due."""
     x0, y0, size, nx, ny = frame
     reach_of_bin = reach + 0.7072 * size
@@ -125,7 +136,16 @@ def _sort(ends, reach, frame, at, line):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _nearest(x, y, ends, reach, frame, held, away, foot):  # type: ignore[no-untyped-def]
+def _nearest(
+    x: np.ndarray,
+    y: np.ndarray,
+    ends: np.ndarray,
+    reach: float,
+    frame: tuple[float, float, float, int, int],
+    held: tuple[np.ndarray, np.ndarray],
+    away: np.ndarray,
+    foot: np.ndarray,
+) -> None:
     """Write distance and nearest place of points; ``held``: starts of the bins, and their lines."""
     start, line = held
     x0, y0, size, nx, ny = frame

@@ -25,7 +25,13 @@ ATTRIBUTE = "period"
 
 
 def period_of(attrs: Mapping[Hashable, object]) -> Period | None:
-    """Bounds that a dataset's attributes hold; None where nothing repeats."""
+    """Bounds that a dataset's attributes hold; None where nothing repeats.
+
+    Parameters
+    ----------
+    attrs : mapping of object
+        Of a state or packing.
+    """
     if ATTRIBUTE not in attrs:
         return None
     west, south, east, north = np.asarray(attrs[ATTRIBUTE], float).tolist()
@@ -33,7 +39,13 @@ def period_of(attrs: Mapping[Hashable, object]) -> Period | None:
 
 
 def sides(period: Period) -> tuple[float, float]:
-    """Width and height (m); infinite where an axis does not repeat."""
+    """Width and height (m); infinite where an axis does not repeat.
+
+    Parameters
+    ----------
+    period : Period
+        x_min, y_min, x_max, y_max (m); infinite where an axis does not repeat.
+    """
     return period[2] - period[0], period[3] - period[1]
 
 
@@ -140,7 +152,13 @@ def wrapped(places: Array, period: Period | None) -> Array:
 
 
 def shifts(period: Period | None) -> list[Array]:
-    """Ways (m), (2,), from a rectangle to its copies around it, and to itself."""
+    """Ways (m), (2,), from a rectangle to its copies around it, and to itself.
+
+    Parameters
+    ----------
+    period : Period or None
+        x_min, y_min, x_max, y_max (m); None where nothing repeats.
+    """
     if period is None:
         return [np.zeros(2)]
     across, up = ((-side, 0.0, side) if np.isfinite(side) else (0.0,) for side in sides(period))

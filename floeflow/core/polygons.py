@@ -41,7 +41,13 @@ class Outlines:
     y: Array
 
     def take(self, ids: Index) -> Outlines:
-        """Outlines of some of the elements, by their ids, all known."""
+        """Outlines of some of the elements, by their ids, all known.
+
+        Parameters
+        ----------
+        ids : ndarray
+            (m,).
+        """
         rows = np.searchsorted(self.id, ids)
         corners = np.diff(self.start)[rows]
         start = np.concatenate([[0], np.cumsum(corners)])
@@ -90,7 +96,13 @@ def body_outlines(packing: xr.Dataset, first: xr.Dataset) -> Outlines:
 
 
 def own_outlines(state: xr.Dataset) -> Outlines:
-    """Outlines that a state of remapped elements holds, in the form of `body_outlines`."""
+    """Outlines that a state of remapped elements holds, in the form of `body_outlines`.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        After a remap.
+    """
     count = state.sizes["element"]
     data = {name: ("element", state[name].values) for name in ("id", "radius")}
     held = xr.Dataset(

@@ -92,7 +92,7 @@ def conversion(text: str, si: str) -> tuple[float, float] | None:
 
 
 def _by_pint(text: str, si: str) -> tuple[float, float] | None:
-    # Seconds of imports and tables, which files in common units do not pay for.
+    # Seconds of imports and tables, which files in common units do not need.
     from cf_xarray.units import units as registry
 
     try:
@@ -109,6 +109,17 @@ def _by_pint(text: str, si: str) -> tuple[float, float] | None:
 
 
 def is_length(text: str) -> float | None:
-    """Metres in a unit of length, ``100 km`` among them; None for another kind."""
+    """Metres in a unit of length, ``100 km`` among them; None for another kind.
+
+    Parameters
+    ----------
+    text : str
+        Unit as in a file.
+
+    Returns
+    -------
+    float or None
+        m.
+    """
     found = conversion(text, "m")
     return None if found is None or found[1] else found[0]

@@ -67,7 +67,13 @@ class Values:
 
 
 def kind_of_flag(meaning: str) -> str:
-    """land, pole_hole, missing or water, by the words of a flag's meaning."""
+    """land, pole_hole, missing or water, by the words of a flag's meaning.
+
+    Parameters
+    ----------
+    meaning : str
+        A word of ``flag_meanings``.
+    """
     lower = meaning.lower()
     return next((kind for word, kind in WORDS if word in lower), MISSING)
 

@@ -94,7 +94,13 @@ class Chunk:
 
 
 def fixed_hashes(chunk: Chunk) -> dict[str, str]:
-    """What goes into the hash of every window of a run; see ``resume.window_hashes``."""
+    """What goes into the hash of every window of a run; see ``resume.window_hashes``.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        Windows of a run.
+    """
     files = [file_hash(path) for path in users_files(chunk.scene)]
     return {
         **window_keys(chunk.scene),
@@ -107,6 +113,11 @@ def fixed_hashes(chunk: Chunk) -> dict[str, str]:
 
 def run_chunk(chunk: Chunk) -> int:
     """Advance a chunk's windows and publish what they made; the number of windows that ran.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        Windows of a run.
 
     Raises
     ------
@@ -149,6 +160,11 @@ def run_chunk(chunk: Chunk) -> int:
 
 def publish(chunk: Chunk) -> None:
     """Write a chunk's files to the places where people and later rules look for them.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        Windows that have ended.
 
     Raises
     ------

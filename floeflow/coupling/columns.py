@@ -62,7 +62,13 @@ class Columns:
     salinity: np.ndarray | None = None
 
     def some(self, rows: np.ndarray) -> Columns:
-        """Some of them."""
+        """Some of them.
+
+        Parameters
+        ----------
+        rows : ndarray
+            Of the elements, (m,).
+        """
         values = {name: value[rows] for name, value in self.values.items()}
         places = self.x[rows], self.y[rows], self.u[rows], self.v[rows], self.area[rows]
         closed = None if self.closed is None else self.closed[rows]
@@ -302,7 +308,13 @@ def _with_columns(state: xr.Dataset, columns: Arrays) -> xr.Dataset:
 
 
 def take_counts(terms: Arrays) -> Budget:
-    """Take the counts out of the columns' terms, which else are per area; their sums."""
+    """Take the counts out of the columns' terms, which else are per area; their sums.
+
+    Parameters
+    ----------
+    terms : Arrays
+        Terms of the columns, (n,) each; the counts are taken out.
+    """
     names = [name for name in terms if name.startswith("temperature_")]
     return {name: float(terms.pop(name).sum()) for name in names}
 
@@ -311,6 +323,11 @@ def totals(each: Arrays) -> Budget:
     """Terms of the budgets over all elements.
 
     Added up on the whole arrays, so that the sums are the same on any number of ranks.
+
+    Parameters
+    ----------
+    each : Arrays
+        Terms, (n,) each.
     """
     return {name: float(values.sum()) for name, values in each.items()}
 

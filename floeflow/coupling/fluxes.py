@@ -210,7 +210,13 @@ def window_fluxes(
 
 
 def join_fluxes(parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Fluxes of consecutive windows, as they were written, in one dataset."""
+    """Fluxes of consecutive windows, as they were written, in one dataset.
+
+    Parameters
+    ----------
+    parts : sequence of xarray.Dataset
+        In the order of time.
+    """
     fixed = [name for name, item in parts[0].data_vars.items() if "time" not in item.dims]
     joined = xr.concat([part.drop_vars(fixed) for part in parts], "time", join="exact")
     joined.attrs.pop("window", None)

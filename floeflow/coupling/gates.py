@@ -21,7 +21,13 @@ Line = tuple[Array, Array]
 
 
 def gate_lines(scene: Scene) -> dict[str, Line]:
-    """Ends of each gate on the scene's map (m), (2,) each, by name."""
+    """Ends of each gate on the scene's map (m), (2,) each, by name.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     crs = scene_crs(scene.domain)
     lines = {}
     for name, (lon_a, lat_a, lon_b, lat_b) in zip(

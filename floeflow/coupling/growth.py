@@ -34,7 +34,13 @@ FRESH, OLD = "growth_new_ice", "growth_melt_base"
 
 
 def wanted(scene: Scene) -> bool:
-    """Whether a scene makes gridded tendencies."""
+    """Whether a scene makes gridded tendencies.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return {"grid_output", "thermodynamics"} <= set(scene.effects)
 
 
@@ -88,7 +94,13 @@ def growth_places(
 
 
 def is_growth(name: str) -> bool:
-    """Whether a term of the columns is one of the ice's volume or area."""
+    """Whether a term of the columns is one of the ice's volume or area.
+
+    Parameters
+    ----------
+    name : str
+        Of the term.
+    """
     return name.startswith("growth_") or name == COVER
 
 
@@ -118,5 +130,11 @@ def without(made: Mapping[str, Array], back: Returned) -> dict[str, Array]:
 
 
 def as_variables(made: Mapping[str, Array]) -> dict[str, tuple[str, Array]]:
-    """The places as variables of a dataset."""
+    """The places as variables of a dataset.
+
+    Parameters
+    ----------
+    made : mapping of ndarray
+        Values by element, (n,) each.
+    """
     return {name: (DIM, values) for name, values in made.items()}

@@ -51,7 +51,13 @@ class Job:
 
     @classmethod
     def from_json(cls, text: str) -> Job:
-        """Read what `to_json` wrote."""
+        """Read what `to_json` wrote.
+
+        Parameters
+        ----------
+        text : str
+            JSON.
+        """
         return cls(**json.loads(text))
 
     def read_scene(self) -> Scene:

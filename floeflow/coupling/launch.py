@@ -125,7 +125,13 @@ def _told_by_mpi(text: str) -> str:
 
 
 def warn_of_step(scene: Scene) -> None:
-    """Warn on the terminal and in the log of a time step above the critical one."""
+    """Warn on the terminal and in the log of a time step above the critical one.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     share = scene.dynamics.step_share
     if share > 1:
         text = f"dynamics.step_share is {share:g}: at such a time step the ice may blow up"

@@ -125,6 +125,11 @@ class IceModel:
     def update_until(self, time: float) -> None:
         """Advance by whole windows to a time (s since the scene's start).
 
+        Parameters
+        ----------
+        time : float
+            s since the scene's start.
+
         Raises
         ------
         FloeError
@@ -157,6 +162,11 @@ class IceModel:
 
     def get_value(self, name: str) -> Array:
         """A field on the scene grid, (ny, nx); rows along y, both axes ascending.
+
+        Parameters
+        ----------
+        name : str
+            Of an output.
 
         Raises
         ------
@@ -198,29 +208,65 @@ class IceModel:
         self._given[name] = np.broadcast_to(field, self._grid.shape).copy()
 
     def get_var_units(self, name: str) -> str:
-        """Units of an input or output."""
+        """Units of an input or output.
+
+        Parameters
+        ----------
+        name : str
+            Of an input or output.
+        """
         if name in FIELDS or name in ICE:
             return (FIELDS.get(name) or ICE[name])[0]
         return field_units()[name.removesuffix("_u").removesuffix("_v")]
 
     def get_var_grid(self, name: str) -> int:
-        """All variables lie on grid 0, the scene grid."""
+        """All variables lie on grid 0, the scene grid.
+
+        Parameters
+        ----------
+        name : str
+            Of an input or output.
+        """
         return GRID
 
     def get_grid_type(self, grid: int = GRID) -> str:
-        """Kind of the grid."""
+        """Kind of the grid.
+
+        Parameters
+        ----------
+        grid : int, optional
+            0.
+        """
         return "uniform_rectilinear"
 
     def get_grid_shape(self, grid: int = GRID) -> tuple[int, int]:
-        """Rows and columns."""
+        """Rows and columns.
+
+        Parameters
+        ----------
+        grid : int, optional
+            0.
+        """
         return self._grid.shape
 
     def get_grid_spacing(self, grid: int = GRID) -> tuple[float, float]:
-        """Distance of rows and of columns (m of the projection)."""
+        """Distance of rows and of columns (m of the projection).
+
+        Parameters
+        ----------
+        grid : int, optional
+            0.
+        """
         return self._grid.spacing, self._grid.spacing
 
     def get_grid_origin(self, grid: int = GRID) -> tuple[float, float]:
-        """First y and first x (m of the projection)."""
+        """First y and first x (m of the projection).
+
+        Parameters
+        ----------
+        grid : int, optional
+            0.
+        """
         return float(self._grid.y[0]), float(self._grid.x[0])
 
     def get_cell_area(self) -> Array:
@@ -249,6 +295,11 @@ class IceModel:
 
     def write_fluxes(self, path: str | Path) -> None:
         """Write the fluxes of the last window as a CF file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or Path
+            Of the file.
 
         Raises
         ------

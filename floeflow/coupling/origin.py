@@ -21,13 +21,25 @@ WINDOW_STAGES = ("dynamics", "column", "remesh", "forcing")
 
 
 def provenance(scene: Scene) -> str:
-    """Hashes of the scene keys of each stage behind the state at the start, as JSON."""
+    """Hashes of the scene keys of each stage behind the state at the start, as JSON.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     stages = [name for name in START_STAGES if name != "bonds" or "bonds" in scene.effects]
     return json.dumps({name: stage_hash(scene, name) for name in stages}, sort_keys=True)
 
 
 def window_keys(scene: Scene) -> dict[str, str]:
-    """Hashes of the scene keys that make a window."""
+    """Hashes of the scene keys that make a window.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return {stage: stage_hash(scene, stage) for stage in WINDOW_STAGES}
 
 

@@ -24,13 +24,25 @@ class Show(Protocol):
 
 
 def speed(event: Event) -> float:
-    """Element-steps per second since the window's dynamics began."""
+    """Element-steps per second since the window's dynamics began.
+
+    Parameters
+    ----------
+    event : Event
+        Of a window.
+    """
     seconds = event["dynamics_seconds"]
     return float(event["elements"] * event["step"] / seconds) if seconds > 0 else 0.0
 
 
 def line(event: Event) -> str:
-    """Describe an event in one line."""
+    """Describe an event in one line.
+
+    Parameters
+    ----------
+    event : Event
+        Of a window.
+    """
     share = event["step"] / event["steps"]
     left = event["dynamics_seconds"] * (1.0 / share - 1.0)
     return (
@@ -56,11 +68,23 @@ class WholeRun:
         self._first: tuple[float, float] | None = None
 
     def done(self, event: Event) -> float:
-        """Windows that are done, the share of the present one included."""
+        """Windows that are done, the share of the present one included.
+
+        Parameters
+        ----------
+        event : Event
+            Of a window.
+        """
         return int(event["window"]) - 1 + float(event["step"] / event["steps"])
 
     def left(self, event: Event) -> float | None:
-        """Seconds that the rest takes at the pace of this job; None at its first event."""
+        """Seconds that the rest takes at the pace of this job; None at its first event.
+
+        Parameters
+        ----------
+        event : Event
+            Of a window.
+        """
         done, now = self.done(event), self._now()
         if self._first is None:
             self._first = done, now
@@ -68,7 +92,13 @@ class WholeRun:
         return (now - self._first[1]) * (self.windows - done) / gone if gone > 0.0 else None
 
     def say(self, event: Event) -> str:
-        """Window, share of the run, and time left."""
+        """Window, share of the run, and time left.
+
+        Parameters
+        ----------
+        event : Event
+            Of a window.
+        """
         left = self.left(event)
         rest = "" if left is None else f", {duration(left)} left"
         share = self.done(event) / self.windows
@@ -76,7 +106,13 @@ class WholeRun:
 
 
 def duration(seconds: float) -> str:
-    """A time as people say it."""
+    """A time as people say it.
+
+    Parameters
+    ----------
+    seconds : float
+        Of a time.
+    """
     if seconds < 90.0:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60.0)

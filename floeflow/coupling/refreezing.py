@@ -16,7 +16,13 @@ from floeflow.state.elements import Arrays
 
 
 def column_params(scene: Scene) -> ColumnParams:
-    """Constants of zero-layer ice in the scene."""
+    """Constants of zero-layer ice in the scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return zero_layer_params(column_settings(scene))
 
 

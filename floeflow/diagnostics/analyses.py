@@ -88,13 +88,25 @@ class Analyses:
         return Motion(time.window, time.windows, self.remapped, winds)
 
     def follow(self, states: Iterable[xr.Dataset]) -> Iterator[xr.Dataset]:
-        """Hand snapshots on, and gather from each."""
+        """Hand snapshots on, and gather from each.
+
+        Parameters
+        ----------
+        states : iterable of xarray.Dataset
+            Snapshots in the order of time.
+        """
         for state in states:
             self.take(state)
             yield state
 
     def take(self, state: xr.Dataset) -> None:
-        """Gather from one state or snapshot."""
+        """Gather from one state or snapshot.
+
+        Parameters
+        ----------
+        state : xarray.Dataset
+            State or snapshot.
+        """
         self.times.append(float(state.attrs["time"]))
         self.thickness.append(thickness_areas(state))
         self.mass.append(_mass(state))

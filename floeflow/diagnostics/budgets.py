@@ -355,7 +355,13 @@ _STORED = {
 
 
 def column_budgets(scalars: xr.Dataset) -> list[Budget]:
-    """What went into the columns against their ``<quantity>_stored``, where they tell of it."""
+    """What went into the columns against their ``<quantity>_stored``, where they tell of it.
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        On ``window``.
+    """
     found = []
     for kind, (label, unit) in _STORED.items():
         if f"{kind}_stored" not in scalars:

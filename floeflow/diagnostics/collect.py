@@ -111,7 +111,13 @@ def read_series(paths: Sequence[Path], effects: tuple[str, ...]) -> tuple[xr.Dat
 
 
 def expected_series(effects: tuple[str, ...]) -> list[str]:
-    """Variables of a series that a scene with these effects must hold."""
+    """Variables of a series that a scene with these effects must hold.
+
+    Parameters
+    ----------
+    effects : tuple of str
+        The scene's effects.
+    """
     names = [*SAMPLED, *SCALARS]
     for series in diagnostic_series(effects):
         if series.startswith("impulse_"):
@@ -129,7 +135,13 @@ def expected_series(effects: tuple[str, ...]) -> list[str]:
 
 
 def intact(state: xr.Dataset) -> np.ndarray:
-    """Pairs (id_lo, id_hi) of the bonds that still hold, (bond, 2), sorted."""
+    """Pairs (id_lo, id_hi) of the bonds that still hold, (bond, 2), sorted.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With a bond table.
+    """
     holds = state["bond_crack_a"].values + state["bond_crack_b"].values < 1.0
     return np.stack([state["bond_id_lo"].values, state["bond_id_hi"].values], axis=1)[holds]
 
@@ -360,7 +372,18 @@ def _totals(first: xr.Dataset, state: xr.Dataset) -> dict[str, float]:
 
 
 def read_grid(path: Path) -> xr.Dataset:
-    """Read CF fields with all their times: missing values as NaN, concentration as a share."""
+    """Read CF fields with all their times: missing values as NaN, concentration as a share.
+
+    Parameters
+    ----------
+    path : Path
+        ``grid.nc`` or one of its chunks.
+
+    Raises
+    ------
+    FloeError
+        Where it is missing, damaged, or holds no such fields.
+    """
     try:
         with xr.open_dataset(path, decode_times=False) as opened:
             data = opened.load()
@@ -374,7 +397,13 @@ def read_grid(path: Path) -> xr.Dataset:
 
 
 def with_shares(grid: xr.Dataset) -> xr.Dataset:
-    """The fields with concentration as a share of 1, whatever its unit is in the file."""
+    """The fields with concentration as a share of 1, whatever its unit is in the file.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        On ``time``, ``y`` and ``x``.
+    """
     if grid["siconc"].attrs.get("units") not in ("%", "percent"):
         return grid
     share = (grid["siconc"] / 100.0).assign_attrs(grid["siconc"].attrs | {"units": "1"})
@@ -409,7 +438,18 @@ def cell_area(grid: xr.Dataset, path: Path) -> np.ndarray:
 
 
 def summarise_grid(path: Path) -> xr.Dataset:
-    """Totals of the gridded output on ``grid``, one a time: grid_ice_area, outside_ice_area, ..."""
+    """Totals of the gridded output on ``grid``, one a time: grid_ice_area, outside_ice_area, ...
+
+    Parameters
+    ----------
+    path : Path
+        ``grid.nc`` or one of its chunks.
+
+    Returns
+    -------
+    xarray.Dataset
+        On ``time``: areas (m2) and volumes (m3).
+    """
     data = read_grid(path)
     area = cell_area(data, path)
     columns = {}
@@ -427,6 +467,11 @@ def summarise_grid(path: Path) -> xr.Dataset:
 
 def read_cost(paths: Iterable[Path]) -> list[dict[str, Any]]:
     """Benchmark records of all windows, each with its ``window``.
+
+    Parameters
+    ----------
+    paths : iterable of Path
+        Files of ``cost/``.
 
     Raises
     ------

@@ -182,7 +182,13 @@ def cost_by_stage(costs: Sequence[Mapping[str, Any]], windows: np.ndarray) -> xr
 
 
 def dynamics_cost(costs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Speed of the DEM over all windows: element-steps, seconds, per second, ranks, time step."""
+    """Speed of the DEM over all windows: element-steps, seconds, per second, ranks, time step.
+
+    Parameters
+    ----------
+    costs : sequence of mapping
+        Benchmark records of windows.
+    """
     records = [record for record in costs if record["name"] == "dynamics"]
     steps = sum(record["n"] * int(record.get("steps", 0)) for record in records)
     seconds = sum(record["seconds"] for record in records)
@@ -369,7 +375,13 @@ def assemble(
 
 
 def remapped_windows(scalars: xr.Dataset) -> set[int]:
-    """Windows at whose end ice was remapped between elements."""
+    """Windows at whose end ice was remapped between elements.
+
+    Parameters
+    ----------
+    scalars : xarray.Dataset
+        On ``window``.
+    """
     if "remap_done" not in scalars:
         return set()
     return {int(number) for number in scalars["window"].values[scalars["remap_done"].values > 0]}

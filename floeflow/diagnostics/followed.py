@@ -64,7 +64,13 @@ class Frame:
 
 
 def frame_of(state: xr.Dataset) -> Frame:
-    """What is followed of a state or a snapshot."""
+    """What is followed of a state or a snapshot.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        State or snapshot.
+    """
     share = state["ice_fraction"].values.sum(axis=1)
     kept = np.flatnonzero((state["type"].values == MOBILE) & (share >= ICE))
     kept = kept[np.argsort(state["id"].values[kept], kind="stable")]

@@ -25,7 +25,16 @@ from floeflow.diagnostics.surface_forces import surface_forces
 from floeflow.scene import Scene
 from floeflow.state.schema import MOBILE
 from floeflow.state.snapshots import snapshot
-from floeflow.transfer import ROOM, Field, Grid, Room, build_remapper, build_room, carry, near_cells
+from floeflow.transfer import (
+    ROOM,
+    Field,
+    Grid,
+    Room,
+    build_remapper,
+    build_room,
+    conservative_transfer,
+    near_cells,
+)
 from floeflow.transfer.stencil import Array
 from floeflow.transfer.weights import CONDITION_LIMIT
 
@@ -166,7 +175,7 @@ def gridded_fields(
     )
     remapper = build(x, y, parents, room)
     more, amounts = ice_amounts(mobile)
-    carried = carry(
+    carried = conservative_transfer(
         (*AMOUNTS, *more), values | amounts, remapper, near=_near(mobile, room), exact=exact
     )
     found = carried.values
@@ -175,7 +184,9 @@ def gridded_fields(
     on_grid = ICE_DENSITY * found["ice_volume"] + SNOW_DENSITY * found["snow_volume"]
     moving = {"ice_mass": mass, "siu": mobile["u"].values, "siv": mobile["v"].values}
     heavy = build(x, y, {"ice_mass": mass}, room)
-    speeds = carry(VELOCITIES, moving, heavy, known={"ice_mass": on_grid}, exact=exact)
+    speeds = conservative_transfer(
+        VELOCITIES, moving, heavy, known={"ice_mass": on_grid}, exact=exact
+    )
 
     is_sea, sea = room.area > 0.0, np.where(room.area > 0.0, room.area, 1.0)
     has_ice = is_sea & (found["ice_area"] > 0.0)

@@ -24,7 +24,15 @@ from floeflow.diagnostics.collect import read_grid
 from floeflow.diagnostics.gridded import hat_reach, sea_room
 from floeflow.diagnostics.tendencies import METHOD
 from floeflow.scene import Scene
-from floeflow.transfer import ROOM, Field, Grid, Room, build_remapper, carry, near_cells
+from floeflow.transfer import (
+    ROOM,
+    Field,
+    Grid,
+    Room,
+    build_remapper,
+    conservative_transfer,
+    near_cells,
+)
 
 Array = NDArray[np.float64]
 
@@ -124,7 +132,7 @@ def growth_on_grid(places: Mapping[str, Array], room: Room) -> dict[str, Array]:
     fields += [Field(name, "extensive", "area") for name in terms]
     near = near_cells(x, y, radius, room.target, room.target.pairs(x, y, room.reach))
     remapper = build_remapper(x, y, {"area": area}, room, radius=radius)
-    carried = carry(fields, values, remapper, near=near)
+    carried = conservative_transfer(fields, values, remapper, near=near)
     return {name: _whole(carried.values[name], carried.missing[name]) for name in terms}
 
 

@@ -129,7 +129,13 @@ class Motion:
         return min(max(1, round(INTERVAL / self.window)), self.windows)
 
     def take(self, frame: Frame) -> None:
-        """Go on by one boundary."""
+        """Go on by one boundary.
+
+        Parameters
+        ----------
+        frame : Frame
+            Of the next boundary.
+        """
         before = self._frame
         if before is None:
             self.spacing = frame.spacing

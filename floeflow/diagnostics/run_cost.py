@@ -82,12 +82,29 @@ def stages(benchmarks: Sequence[Path], diagnosed: Mapping[str, Any]) -> list[Sta
 
 
 def total_seconds(found: Sequence[Stage]) -> float:
-    """Wall seconds of all rules; the windows' parts are in their rule's."""
+    """Wall seconds of all rules; the windows' parts are in their rule's.
+
+    Parameters
+    ----------
+    found : sequence of Stage
+        Of the run.
+    """
     return sum(stage.seconds for stage in found if not stage.inner)
 
 
 def read_benchmark(path: Path) -> tuple[float, float]:
-    """Wall seconds (summed over repeats) and largest memory (MB) of a benchmark file."""
+    """Wall seconds (summed over repeats) and largest memory (MB) of a benchmark file.
+
+    Parameters
+    ----------
+    path : Path
+        Of Snakemake's benchmark.
+
+    Raises
+    ------
+    FloeError
+        Where it is none.
+    """
     try:
         with path.open(newline="") as file:
             rows = list(csv.DictReader(file, delimiter="\t"))

@@ -73,6 +73,11 @@ def cycle(grid: xr.Dataset) -> Cycle:
 
     A month counts with the times of its own that the run has: the first and the last month of a
     run may be short.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        On ``time``, ``y`` and ``x``.
     """
     grid, sea = with_shares(grid), grid["sea_area"].values
     share, volume = (grid[name].fillna(0.0).values for name in ("siconc", "sivol"))
@@ -176,7 +181,13 @@ class Ridged:
 
 
 def ridged(grid: xr.Dataset) -> Ridged:
-    """Share of the ice that is ridged, of monthly means, from ``grid.nc`` with ridges."""
+    """Share of the ice that is ridged, of monthly means, from ``grid.nc`` with ridges.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        On ``time``, ``y`` and ``x``.
+    """
     grid, sea = with_shares(grid), grid["sea_area"].values
     share, of_ice, thick, volume = (
         grid[name].fillna(0.0).values for name in ("siconc", "sirdgconc", "sirdgthick", "sivol")
@@ -260,7 +271,13 @@ def _boundaries(elements: Iterable[xr.Dataset], skipped: int) -> Iterable[xr.Dat
 
 
 def swing(found: Cycle) -> float:
-    """Largest minus smallest monthly thickness of the central basin (m)."""
+    """Largest minus smallest monthly thickness of the central basin (m).
+
+    Parameters
+    ----------
+    found : Cycle
+        Monthly means.
+    """
     return float(found.thickness.max() - found.thickness.min())
 
 

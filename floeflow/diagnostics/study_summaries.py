@@ -14,7 +14,7 @@ from typing import Any
 DIGEST = "digest.json"
 
 
-def valid_digests(folder: Path, keys: str) -> dict[str, str]:
+def valid_summaries(folder: Path, keys: str) -> dict[str, str]:
     """Digests that hold for a scene, with their SHA-256.
 
     Parameters
@@ -27,13 +27,19 @@ def valid_digests(folder: Path, keys: str) -> dict[str, str]:
     found = {}
     wanted = dict.fromkeys(sorted(folder.glob(f"*/{DIGEST}")), keys)
     for path, key in {**wanted, folder.parent / "stability" / DIGEST: ""}.items():
-        if path.is_file() and read_digest(path).get("keys") == key:
+        if path.is_file() and read_summary(path).get("keys") == key:
             found[str(path)] = hashlib.sha256(path.read_bytes()).hexdigest()
     return found
 
 
-def read_digest(path: Path) -> dict[str, Any]:
-    """Read a digest; an empty one where the file is damaged."""
+def read_summary(path: Path) -> dict[str, Any]:
+    """Read a digest; an empty one where the file is damaged.
+
+    Parameters
+    ----------
+    path : Path
+        Of the digest.
+    """
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except ValueError:

@@ -104,7 +104,13 @@ def wind_sums(wind: Complex, drift: Complex, weight: Array) -> WindSums:
 
 
 def wind_fit(sums: WindSums) -> WindFit:
-    """Regression from its sums."""
+    """Regression from its sums.
+
+    Parameters
+    ----------
+    sums : WindSums
+        Over elements and times.
+    """
     nothing = WindFit(np.nan, np.nan, complex(np.nan, np.nan), np.nan)
     if sums.weight <= 0.0:
         return nothing

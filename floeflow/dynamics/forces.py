@@ -17,7 +17,18 @@ FORCES: dict[str, Callable[[Scene], Force]] = {}
 
 
 def force(switch: str) -> Callable[[Callable[[Scene], Force]], Callable[[Scene], Force]]:
-    """Register the force that a switch of the plugin turns on."""
+    """Register the force that a switch of the plugin turns on.
+
+    Parameters
+    ----------
+    switch : str
+        Name of the switch.
+
+    Returns
+    -------
+    callable
+        Decorator that registers a function and returns it.
+    """
 
     def register(function: Callable[[Scene], Force]) -> Callable[[Scene], Force]:
         FORCES[switch] = function
@@ -28,7 +39,13 @@ def force(switch: str) -> Callable[[Callable[[Scene], Force]], Callable[[Scene],
 
 @force("seabed")
 def seabed(scene: Scene) -> Force:
-    """Friction of grounded ridges on the seabed (Lemieux et al. 2015)."""
+    """Friction of grounded ridges on the seabed (Lemieux et al. 2015).
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     g = scene.grounding
     settings = (
         ("keel_ratio", g.keel_ratio),

@@ -170,7 +170,13 @@ def nearing(scene: Scene, elements: Arrays, forcing: xr.Dataset) -> float:
 
 
 def wall_faces(state: xr.Dataset) -> Arrays | None:
-    """Faces of a state's walls and coast; None where it has none."""
+    """Faces of a state's walls and coast; None where it has none.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        The state.
+    """
     if "wall_face_ax" not in state or state.sizes["wall_face"] == 0:
         return None
     return pair_arrays(state, "wall_face")

@@ -54,7 +54,18 @@ class Rates:
         return np.union1d(self.record, self.record[self.goes_on] - 1)
 
     def of(self, sums: Array) -> Array:
-        """Rates (k, place), per second, from the sums of the records of ``index`` (m, place)."""
+        """Rates (k, place), per second, from the sums of the records of ``index`` (m, place).
+
+        Parameters
+        ----------
+        sums : ndarray
+            Per record, (m, place).
+
+        Returns
+        -------
+        ndarray
+            Per second, (k, place).
+        """
         place = np.searchsorted(self.index, self.record)
         before = np.where(self.goes_on[:, None], sums[np.maximum(place - 1, 0)], 0.0)
         return np.asarray((sums[place] - before) / self.length[:, None])

@@ -85,12 +85,24 @@ def gyre_current(gyre: Gyre, x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def saturation_over_ice(temperature: Array | float) -> Array | float:
-    """Saturation vapour pressure over ice (Pa) at a temperature (K): Murray (1967)."""
+    """Saturation vapour pressure over ice (Pa) at a temperature (K): Murray (1967).
+
+    Parameters
+    ----------
+    temperature : ndarray or float
+        K.
+    """
     return 610.78 * np.exp(21.8745584 * (temperature - 273.16) / (temperature - 7.66))
 
 
 def humidity(weather: Weather) -> float:
-    """Specific humidity (kg/kg) of the weather's relative humidity over ice."""
+    """Specific humidity (kg/kg) of the weather's relative humidity over ice.
+
+    Parameters
+    ----------
+    weather : Weather
+        Block ``forcing.weather`` of the scene.
+    """
     vapour = weather.relative_humidity * float(saturation_over_ice(weather.air_temperature))
     return 0.622 * vapour / (weather.air_pressure - 0.378 * vapour)
 

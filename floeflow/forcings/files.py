@@ -19,19 +19,36 @@ UNPACKED = Path("results/inputs")
 
 
 def users_files(scene: Scene) -> tuple[str, ...]:
-    """Files of the user that a window's forcing is read from, the depth of the sea among them."""
+    """Files of the user that a window's forcing is read from, the depth of the sea among them.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     files = tuple(map(str, forcing_files(scene))) if scene.forcing.source == "file" else ()
     return (*files, *depth_files(scene))
 
 
 def depth_files(scene: Scene) -> tuple[str, ...]:
-    """The file of the depth of the sea, of a scene that reads one."""
+    """The file of the depth of the sea, of a scene that reads one.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     asked = "grounding" in scene.effects and scene.grounding.file
     return (scene.grounding.file,) if asked else ()
 
 
 def forcing_files(scene: Scene) -> list[Path]:
     """Files of a scene's forcing, patterns filled in and archives unpacked, in their order.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
 
     Raises
     ------

@@ -60,7 +60,13 @@ def fixed(name: str, unit: str) -> Callable[[Callable[[Scene], Array]], Callable
 
 @fixed("coriolis", "s-1")
 def coriolis(scene: Scene) -> Array:
-    """Coriolis parameter on the scene's grid (1/s), (ny, nx)."""
+    """Coriolis parameter on the scene's grid (1/s), (ny, nx).
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     _, lat = to_lonlat(scene_crs(scene.domain), *scene_grid(scene.domain).mesh())
     return 2.0 * EARTH_ROTATION * np.sin(np.radians(lat))
 
@@ -68,6 +74,11 @@ def coriolis(scene: Scene) -> Array:
 @fixed("sea_floor_depth", "m")
 def sea_floor_depth(scene: Scene) -> Array:
     """Depth of the sea on the scene's grid (m, 0 on land), (ny, nx).
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
 
     Raises
     ------

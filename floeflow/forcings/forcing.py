@@ -70,7 +70,13 @@ class Places:
     known: list[tuple[AnySource, interpolate.Transfer]] = field(default_factory=list)
 
     def transfer(self, track: Track) -> interpolate.Transfer:
-        """Weights from a variable's grid to the scene's; refuses a file too small."""
+        """Weights from a variable's grid to the scene's; refuses a file too small.
+
+        Parameters
+        ----------
+        track : Track
+            Variable of the files.
+        """
         source = track.source()
         for old, found in self.known:
             if old is source:
@@ -94,7 +100,13 @@ class Places:
         return found
 
     def place(self, point: int) -> str:
-        """A point of the grid in words."""
+        """A point of the grid in words.
+
+        Parameters
+        ----------
+        point : int
+            Index of the flattened grid.
+        """
         lat, lon = self.lat.ravel()[point], (self.lon.ravel()[point] + 180.0) % 360.0 - 180.0
         north, east = "N" if lat >= 0 else "S", "E" if lon >= 0 else "W"
         return f"{abs(lat):.1f} {north}, {abs(lon):.1f} {east}"
@@ -322,7 +334,13 @@ def _from_files(
 
 
 def describe(item: Track | tuple[Track, Track]) -> str:
-    """Where a quantity comes from, for people."""
+    """Where a quantity comes from, for people.
+
+    Parameters
+    ----------
+    item : Track or tuple of Track
+        Variable, or two components.
+    """
     first = item[0] if isinstance(item, tuple) else item
     whole = ", ".join(track.name for track in (item if isinstance(item, tuple) else (item,)))
     level = first.level()

@@ -20,7 +20,13 @@ from floeflow.scene.blocks import Scene
 
 
 def tracks_of(sources: Sources) -> list[Track]:
-    """All variables behind a forcing, components apart."""
+    """All variables behind a forcing, components apart.
+
+    Parameters
+    ----------
+    sources : Sources
+        Open files of the forcing.
+    """
     found: list[Track] = []
     for item in sources.tracks.values():
         found += item if isinstance(item, tuple) else (item,)
@@ -29,7 +35,13 @@ def tracks_of(sources: Sources) -> list[Track]:
 
 @contextmanager
 def opened(scene: Scene) -> Iterator[Sources]:
-    """The sources of a scene's forcing, its files open."""
+    """The sources of a scene's forcing, its files open.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     files = open_files(forcing_files(scene), forcing_hints(scene))
     try:
         yield find_sources(scene, files)
@@ -39,7 +51,13 @@ def opened(scene: Scene) -> Iterator[Sources]:
 
 
 def described(scene: Scene) -> list[str]:
-    """Where each quantity of a scene's forcing comes from, one a line; none if it is analytic."""
+    """Where each quantity of a scene's forcing comes from, one a line; none if it is analytic.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     if scene.forcing.source != "file":
         return []
     with opened(scene) as found:
@@ -53,6 +71,11 @@ def check_forcing_file(scene: Scene) -> None:
 
     Does nothing where the forcing is analytic. The depth of the sea is read, whatever the source
     of the forcing is.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
 
     Raises
     ------

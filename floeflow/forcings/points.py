@@ -32,6 +32,11 @@ class PointFile(InputFile):
     def layout(self, variable: cf.Variable) -> cf.Layout:
         """Roles of a variable's dimensions: time and level, and no others of more than one value.
 
+        Parameters
+        ----------
+        variable : cf.Variable
+            One of the file.
+
         Raises
         ------
         FloeError
@@ -48,7 +53,13 @@ class PointFile(InputFile):
         return cf.Layout(x, y, True, time, level, 1.0, None, stamp, height)
 
     def source(self, variable: cf.Variable) -> fields.AnySource:
-        """A grid of one point."""
+        """A grid of one point.
+
+        Parameters
+        ----------
+        variable : cf.Variable
+            One of the file.
+        """
         return POINT
 
 

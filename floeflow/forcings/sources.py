@@ -48,14 +48,26 @@ class Sources:
 
 
 def clock_of(scene: Scene) -> Clock:
-    """What of a scene decides about times."""
+    """What of a scene decides about times.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     start = scene.time.start
     since = 3600.0 * start.hour + 60.0 * start.minute + start.second + 1e-6 * start.microsecond
     return Clock(start, -since, scene.forcing.accumulation, scene.forcing.days_off)
 
 
 def forcing_hints(scene: Scene) -> Hints:
-    """What the scene says of its forcing files."""
+    """What the scene says of its forcing files.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return Hints("forcing", scene.forcing.crs)
 
 
@@ -98,7 +110,13 @@ def find_sources(scene: Scene, files: Sequence[InputFile], advise: bool = True) 
 
 
 def label(files: Sequence[InputFile]) -> str:
-    """Files in words."""
+    """Files in words.
+
+    Parameters
+    ----------
+    files : sequence of InputFile
+        Files of the forcing.
+    """
     if len(files) == 1:
         return str(files[0].path)
     return f"{files[0].path} and {len(files) - 1} more"

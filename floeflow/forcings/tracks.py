@@ -51,7 +51,13 @@ ERA5_MEANS = {
 
 
 def era5_mean(variable: cf.Variable) -> bool:
-    """Whether a variable is one of ERA5's mean rates, which are of the hour before their stamp."""
+    """Whether a variable is one of ERA5's mean rates, which are of the hour before their stamp.
+
+    Parameters
+    ----------
+    variable : cf.Variable
+        One of the file.
+    """
     short = variable.text("GRIB_shortName") or variable.name
     named = short.startswith("avg_") or short in ERA5_MEANS
     return named or variable.text("GRIB_stepType") == "avg"
@@ -67,15 +73,33 @@ class InputFile:
     sources: dict[tuple[str, ...], fields.AnySource] = field(default_factory=dict)
 
     def layout(self, variable: cf.Variable) -> cf.Layout:
-        """Roles of a variable's dimensions."""
+        """Roles of a variable's dimensions.
+
+        Parameters
+        ----------
+        variable : cf.Variable
+            One of the file.
+        """
         return cf.layout(self.variables, variable, self.path)
 
     def on_lonlat(self, variable: cf.Variable) -> bool:
-        """Whether a variable lies on longitude and latitude."""
+        """Whether a variable lies on longitude and latitude.
+
+        Parameters
+        ----------
+        variable : cf.Variable
+            One of the file.
+        """
         return self.layout(variable).lonlat
 
     def source(self, variable: cf.Variable) -> fields.AnySource:
-        """Grid of a variable; variables on the same one share it."""
+        """Grid of a variable; variables on the same one share it.
+
+        Parameters
+        ----------
+        variable : cf.Variable
+            One of the file.
+        """
         layout = self.layout(variable)
         key = (layout.x, layout.y, *(layout.places or ()), variable.text("grid_mapping"))
         if key not in self.sources:
@@ -252,6 +276,11 @@ class Track:
     def records(self, span: tuple[float, float]) -> Rates:
         """The records that make values over a span (s), and when.
 
+        Parameters
+        ----------
+        span : tuple of float
+            Start and end (s since the scene's start).
+
         Raises
         ------
         FloeError
@@ -306,7 +335,18 @@ class Track:
         return Intervals(start, end, np.arange(start.size), goes_on)
 
     def values(self, index: Index) -> Array:
-        """Unpacked values of some records on the file's grid, (records, ny, nx)."""
+        """Unpacked values of some records on the file's grid, (records, ny, nx).
+
+        Parameters
+        ----------
+        index : ndarray
+            Of the records, (m,).
+
+        Raises
+        ------
+        FloeError
+            Where the files of a variable are on different grids.
+        """
         parts = np.empty((len(index), *fields.shape_of(self.source())))
         for piece in np.unique(self.piece[index]):
             file = self.files[piece]

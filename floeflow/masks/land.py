@@ -28,7 +28,13 @@ MOST_KEPT = 25_000_000
 
 
 def samples_per_side(spacing: float) -> int:
-    """Samples along the side of a cell: about one a kilometre, from 5 to 25."""
+    """Samples along the side of a cell: about one a kilometre, from 5 to 25.
+
+    Parameters
+    ----------
+    spacing : float
+        Of the cells (m).
+    """
     return int(np.clip(round(spacing / SAMPLE_SPACING), 5, MOST_SAMPLES))
 
 
@@ -71,7 +77,13 @@ def land_samples(grid: Grid, crs: pyproj.CRS) -> tuple[Array, Flags]:
 
 
 def make_land(scene: Scene) -> xr.Dataset:
-    """Share of land, and land with its straits, both (y, x), on the mask grid of a scene."""
+    """Share of land, and land with its straits, both (y, x), on the mask grid of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     grid = mask_grid(scene.domain, scene.mask.refine)
     share, water = land_samples(grid, scene_crs(scene.domain))
     coarse = share >= scene.mask.land_fraction

@@ -38,7 +38,13 @@ LEAST_SHARE = 0.5
 
 
 def mask_hints(scene: Scene) -> Hints:
-    """What the scene says of its mask file."""
+    """What the scene says of its mask file.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     mask = scene.mask
     flags = {name: codes for name, codes in mask.flags.model_dump().items() if codes}
     return Hints("mask", mask.crs, flags, mask.concentration, mask.scale)
@@ -202,6 +208,11 @@ def wanted_variables(
 
 def check_mask_file(scene: Scene) -> None:
     """Refuse a projection or mask file that the mask stage could not use; reads no values.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
 
     Raises
     ------
@@ -369,6 +380,11 @@ class MaskFile:
 
 def read_mask_file(scene: Scene) -> MaskFile:
     """Read what the mask needs.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
 
     Raises
     ------

@@ -8,6 +8,12 @@ from floeflow.scene.blocks import Mask
 
 
 def polygon_inputs(mask: Mask) -> list[str]:
-    """Files of the polygons that a scene's mask names: shoreline and region."""
+    """Files of the polygons that a scene's mask names: shoreline and region.
+
+    Parameters
+    ----------
+    mask : Mask
+        Block ``mask`` of the scene.
+    """
     region = mask.region if is_polygon_file(mask.region) else ""
     return [*files_of_polygons(mask.shoreline), *files_of_polygons(region)]

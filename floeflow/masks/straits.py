@@ -154,7 +154,7 @@ def _open_between(
 
 
 @njit(cache=True, nogil=True)
-def _flood(free, start):  # type: ignore[no-untyped-def]
+def _flood(free: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Steps from the start through free cells, -1 where there is no way; the cell before each."""
     ny, nx = free.shape
     steps = np.full((ny, nx), -1, np.int64)

@@ -51,7 +51,13 @@ WORDS = (
 
 
 def told(variable: cf.Variable) -> str:
-    """``in_ice``, ``cell_mean``, or empty where the variable does not say."""
+    """``in_ice``, ``cell_mean``, or empty where the variable does not say.
+
+    Parameters
+    ----------
+    variable : cf.Variable
+        Thickness of a file.
+    """
     methods = " ".join(variable.text("cell_methods").lower().split())
     if "where sea_ice" in methods or "where ice" in methods:
         return IN_ICE

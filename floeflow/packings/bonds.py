@@ -44,12 +44,24 @@ class Edges:
     ends: Array
 
     def pick(self, chosen: NDArray[np.bool_]) -> "Edges":
-        """Those that are chosen, (m,)."""
+        """Those that are chosen, (m,).
+
+        Parameters
+        ----------
+        chosen : ndarray
+            (n,).
+        """
         return Edges(self.lo[chosen], self.hi[chosen], self.ends[chosen])
 
 
 def ice_edges(packing: xr.Dataset) -> Edges:
-    """Edges that mobile elements share, as the packing has them."""
+    """Edges that mobile elements share, as the packing has them.
+
+    Parameters
+    ----------
+    packing : xarray.Dataset
+        Elements and edges of the tessellation.
+    """
     ends = np.column_stack([packing[f"edge_{end}"].values for end in ("ax", "ay", "bx", "by")])
     return Edges(packing["edge_lo"].values - 1, packing["edge_hi"].values - 1, ends)
 
@@ -61,6 +73,11 @@ def coast_edges(packing: xr.Dataset) -> Edges:
     centres: at the end of a coast the tessellation alone would draw it far out to sea. The
     tessellation takes discs of the coast no larger than do not overlap each other, so that each
     has its part of the coast.
+
+    Parameters
+    ----------
+    packing : xarray.Dataset
+        Elements and edges of the tessellation.
     """
     radius = packing["radius"].values
     coast = packing["type"].values == COAST

@@ -82,7 +82,13 @@ def no_elements() -> Elements:
 
 
 def grid_of(mask: xr.Dataset) -> Grid:
-    """The mask's grid."""
+    """The mask's grid.
+
+    Parameters
+    ----------
+    mask : xarray.Dataset
+        On ``y`` and ``x``.
+    """
     x, y = mask["x"].values, mask["y"].values
     spacing = float(x[1] - x[0])
     return Grid(x, y, spacing, float(x[0]) - 0.5 * spacing, float(y[0]) - 0.5 * spacing)

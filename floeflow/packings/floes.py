@@ -81,7 +81,13 @@ class Floes:
 
 
 def floes_of(mask: xr.Dataset) -> Floes:
-    """Floes of a mask: connected pixels of one number, through sides or corners."""
+    """Floes of a mask: connected pixels of one number, through sides or corners.
+
+    Parameters
+    ----------
+    mask : xarray.Dataset
+        On ``y`` and ``x``.
+    """
     x, y = mask["floe_x"].values, mask["floe_y"].values
     spacing = float(mask.attrs["floe_pixel"])
     grid = Grid(x, y, spacing, float(x[0]) - 0.5 * spacing, float(y[0]) - 0.5 * spacing)

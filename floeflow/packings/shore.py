@@ -34,7 +34,13 @@ class Shore:
     planes: Arrays
 
     def clearance(self, places: Array) -> Array:
-        """Distance (m) of places (n, 2), below 0 behind a plane, infinite out of reach."""
+        """Distance (m) of places (n, 2), below 0 behind a plane, infinite out of reach.
+
+        Parameters
+        ----------
+        places : ndarray
+            m.
+        """
         return self._nearest(places)[0]
 
     def pushes(self, places: Array, target: Array, share: float) -> tuple[Array, float]:

@@ -46,7 +46,13 @@ class BoxDrift:
         return int(self.u.shape[1]) * self.cells - self.shape[0]
 
     def places(self, extent: tuple[float, float, float, float]) -> tuple[Array, Array]:
-        """Columns and rows of the boxes' centres on a map from left, right, bottom to top."""
+        """Columns and rows of the boxes' centres on a map from left, right, bottom to top.
+
+        Parameters
+        ----------
+        extent : tuple of float
+            Left, right, bottom, top of the map.
+        """
         left, right, bottom, top = extent
         wide = self.cells * (right - left) / self.shape[1]
         high = self.cells * (top - bottom) / self.shape[0]
@@ -55,13 +61,25 @@ class BoxDrift:
         return np.asarray(left + wide * across), np.asarray(bottom + high * up)
 
     def at(self, time: int) -> tuple[Array, Array]:
-        """Drift at a time, NaN without ice, each (row, column)."""
+        """Drift at a time, NaN without ice, each (row, column).
+
+        Parameters
+        ----------
+        time : int
+            Index of the time.
+        """
         still = (self.u[time] == 0.0) & (self.v[time] == 0.0)
         return np.where(still, np.nan, self.u[time]), np.where(still, np.nan, self.v[time])
 
 
 def box_drift(grid: xr.Dataset) -> BoxDrift | None:
-    """Drift of boxes of cells at all times, weighted by concentration; None without drift."""
+    """Drift of boxes of cells at all times, weighted by concentration; None without drift.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        On ``time``, ``y`` and ``x``.
+    """
     if "siu" not in grid or "siv" not in grid:
         return None
     times, ny, nx = grid["siu"].shape

@@ -230,18 +230,36 @@ def encode_frames(values: Array, low: float, high: float) -> Bytes:
 
 
 def packed(data: Bytes | NDArray[np.int8]) -> str:
-    """Bytes deflated (zlib) and in base64."""
+    """Bytes deflated (zlib) and in base64.
+
+    Parameters
+    ----------
+    data : Bytes or ndarray
+        Of any shape.
+    """
     return base64.b64encode(zlib.compress(data.tobytes(), 9)).decode()
 
 
 def palette_of(quantity: Quantity) -> str:
-    """The colours of levels 1 to 255 as bytes in base64."""
+    """The colours of levels 1 to 255 as bytes in base64.
+
+    Parameters
+    ----------
+    quantity : Quantity
+        With its colours and scale.
+    """
     colours = quantity.cmap(np.linspace(0.0, 1.0, LEVELS))[:, :3]
     return base64.b64encode(np.rint(255 * colours).astype(np.uint8).tobytes()).decode()
 
 
 def make_layers(grid: xr.Dataset) -> Iterator[Layer]:
-    """The fields that the gridded output holds, rows from the top of the map down."""
+    """The fields that the gridded output holds, rows from the top of the map down.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        On ``time``, ``y`` and ``x``.
+    """
     for name, field in FIELDS.items():
         values = field_frames(grid, name)
         if values is None:
@@ -273,13 +291,24 @@ def scale_ends(quantity: Quantity, values: Array) -> tuple[float, float]:
 
 
 def round_up(value: float) -> float:
-    """The next number of one digit and a half, so that a colour bar ends well."""
+    """The next number of one digit and a half, so that a colour bar ends well.
+
+    Parameters
+    ----------
+    value : float
+        Above 0, in any unit.
+    """
     step = nice_step(value, 6)
     return float(np.ceil(value / step - 1e-9) * step)
 
 
 def drift_arrows(grid: xr.Dataset) -> dict[str, Any] | None:
     """Drift of boxes of cells at all times, as bytes of a common scale.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        On ``time``, ``y`` and ``x``.
 
     Returns
     -------
@@ -305,7 +334,13 @@ def drift_arrows(grid: xr.Dataset) -> dict[str, Any] | None:
 
 
 def land_path(land: xr.DataArray) -> str:
-    """Land of the mask as an SVG path in kilometres, y downward."""
+    """Land of the mask as an SVG path in kilometres, y downward.
+
+    Parameters
+    ----------
+    land : xarray.DataArray
+        Share of land, (y, x).
+    """
     values = np.pad(np.asarray(land.values, dtype=float), 1, mode="edge")
     x, y = (padded_axis(land[axis].values / 1e3) for axis in ("x", "y"))
     if values.max() < 0.5:
@@ -320,20 +355,43 @@ def land_path(land: xr.DataArray) -> str:
 
 
 def padded_axis(axis: Array) -> Array:
-    """Cell centres with one more at each end."""
+    """Cell centres with one more at each end.
+
+    Parameters
+    ----------
+    axis : ndarray
+        Ascending, (n,).
+
+    Returns
+    -------
+    ndarray
+        (n + 2,).
+    """
     step = axis[1] - axis[0] if axis.size > 1 else 1.0
     return np.concatenate([[axis[0] - step], axis, [axis[-1] + step]])
 
 
 def svg_line(points: Array) -> str:
-    """Points (km) as moves of an SVG path, to the tenth of a kilometre."""
+    """Points (km) as moves of an SVG path, to the tenth of a kilometre.
+
+    Parameters
+    ----------
+    points : ndarray
+        (n, 2).
+    """
     first, rest = points[0], points[1:]
     head = f"M{first[0]:.1f} {-first[1]:.1f}"
     return head + ("L" + " ".join(f"{x:.1f} {-y:.1f}" for x, y in rest) if len(rest) else "")
 
 
 def graticule_path(frame: Frame) -> tuple[str, list[tuple[float, float, str]]]:
-    """Parallels and meridians as one SVG path, and their labels with places (km, y downward)."""
+    """Parallels and meridians as one SVG path, and their labels with places (km, y downward).
+
+    Parameters
+    ----------
+    frame : Frame
+        Projection and extent of the map.
+    """
     lines, labels = graticule_lines(frame)
     parts = []
     for x, y in lines:
@@ -347,7 +405,18 @@ def graticule_path(frame: Frame) -> tuple[str, list[tuple[float, float, str]]]:
 
 
 def chosen_frames(count: int) -> NDArray[np.int64]:
-    """Which times the map shows: all, or evenly spread ones where there are thousands."""
+    """Which times the map shows: all, or evenly spread ones where there are thousands.
+
+    Parameters
+    ----------
+    count : int
+        Number of times.
+
+    Returns
+    -------
+    ndarray
+        Indices, ascending.
+    """
     step = max(1, int(np.ceil(count / MOST_FRAMES)))
     chosen = np.arange(0, count, step)
     return chosen if chosen[-1] == count - 1 else np.append(chosen, count - 1)

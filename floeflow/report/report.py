@@ -233,12 +233,24 @@ def _player(scene: Scene, frame: Frame, grid: xr.Dataset | None) -> dict[str, An
 
 
 def read_template(name: str) -> str:
-    """The text of a template or of what goes into the page as it stands."""
+    """The text of a template or of what goes into the page as it stands.
+
+    Parameters
+    ----------
+    name : str
+        Of a file in ``templates``.
+    """
     return (TEMPLATES / name).read_text(encoding="utf-8")
 
 
 def render(context: Mapping[str, Any]) -> str:
-    """Fill the template; every value is escaped, an undefined one is a fault."""
+    """Fill the template; every value is escaped, an undefined one is a fault.
+
+    Parameters
+    ----------
+    context : mapping
+        Names that the template fills in.
+    """
     environment = jinja2.Environment(
         autoescape=True,
         undefined=jinja2.StrictUndefined,
@@ -252,6 +264,11 @@ def render(context: Mapping[str, Any]) -> str:
 
 def read_numbers(path: Path) -> dict[str, Any]:
     """Read ``diagnostics.json``.
+
+    Parameters
+    ----------
+    path : Path
+        Of ``diagnostics.json``.
 
     Raises
     ------

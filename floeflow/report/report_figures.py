@@ -154,7 +154,13 @@ def moments(scene: Scene, first: xr.Dataset, last: xr.Dataset) -> dict[str, str]
 
 
 def speed_scale(scene: Scene) -> Quantity:
-    """Drift speed with the scene's own top of the scale, if it sets one."""
+    """Drift speed with the scene's own top of the scale, if it sets one.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     top = scene.report.maximum_velocity
     return replace(SPEED, high=top if top > 0 else None)
 
@@ -240,7 +246,18 @@ ADDED: list[Charts] = []
 
 
 def charts(function: Charts) -> Charts:
-    """Register a function that draws further charts of the series."""
+    """Register a function that draws further charts of the series.
+
+    Parameters
+    ----------
+    function : callable
+        Yields name, caption and figure.
+
+    Returns
+    -------
+    callable
+        The function itself.
+    """
     ADDED.append(function)
     return function
 

@@ -95,12 +95,24 @@ def with_unit(value: float | None, units: Sequence[tuple[float, str]]) -> str:
 
 
 def pretty_unit(unit: str) -> str:
-    """A unit with its exponents raised."""
+    """A unit with its exponents raised.
+
+    Parameters
+    ----------
+    unit : str
+        As in CF attributes.
+    """
     return unit.replace("m2", "m²").replace("m3", "m³")
 
 
 def duration(seconds: float) -> str:
-    """A time span in its best unit."""
+    """A time span in its best unit.
+
+    Parameters
+    ----------
+    seconds : float
+        Of a time.
+    """
     for unit, name in ((86400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
         if seconds >= 2 * unit or (seconds >= unit and seconds % unit == 0):
             word = name[:-1] if seconds == unit else name
@@ -109,7 +121,13 @@ def duration(seconds: float) -> str:
 
 
 def scene_keys(scene: Scene) -> list[Key]:
-    """Every key of the scene that its effects can read, in the order of the blocks."""
+    """Every key of the scene that its effects can read, in the order of the blocks.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     keys = _keys(scene, "")
     if "thermodynamics" not in scene.effects:
         keys = [key for key in keys if not key.path.startswith("column.")]
@@ -157,7 +175,13 @@ def _value(value: Any) -> str:
 
 
 def effect_lists(scene: Scene) -> tuple[list[Effect], list[Effect]]:
-    """Effects that the scene simulates, and those that are absent."""
+    """Effects that the scene simulates, and those that are absent.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     there = [EFFECTS[name] for name in scene.effects]
     return there, [effect for effect in EFFECTS.values() if effect.name not in scene.effects]
 
@@ -209,7 +233,13 @@ def _flat(text: str) -> list[tuple[str, str]]:
 
 
 def packing_figures(packing: xr.Dataset) -> list[tuple[str, float, str]]:
-    """What the packing says of its own quality: meaning, value and unit."""
+    """What the packing says of its own quality: meaning, value and unit.
+
+    Parameters
+    ----------
+    packing : xarray.Dataset
+        With quality as attributes.
+    """
     return [
         (str(item.attrs["long_name"]), float(item), str(item.attrs["units"]))
         for name, item in packing.data_vars.items()

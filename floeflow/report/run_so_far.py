@@ -24,7 +24,7 @@ from floeflow.diagnostics.cf_output import join_times
 from floeflow.diagnostics.collect import read_grid
 from floeflow.diagnostics.diagnostics import RunFiles, analyse, diagnose, write_json
 from floeflow.diagnostics.gridded import make_grid
-from floeflow.diagnostics.study_summaries import read_digest
+from floeflow.diagnostics.study_summaries import read_summary
 from floeflow.report.report import Material, build_report, read_numbers
 from floeflow.scene import Scene
 from floeflow.scene.load import read_resolved
@@ -219,7 +219,7 @@ def report_so_far(folder: Path) -> str:
             mask=read_dataset(folder / "preprocess/mask.nc"),
             packing=read_dataset(folder / "preprocess/packing.nc"),
             benchmarks=sorted((folder / "benchmarks").rglob("*.tsv")),
-            estimates=read_digest(estimates) if estimates.is_file() else {"estimates": []},
+            estimates=read_summary(estimates) if estimates.is_file() else {"estimates": []},
             partial=_how_far(done, total) if done < total else "",
         )
         page = build_report(scene, material, folder / FIGURES)

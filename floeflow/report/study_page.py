@@ -92,7 +92,13 @@ class Study:
 
 
 def render_study(study: Study) -> str:
-    """Fill the template; every value is escaped."""
+    """Fill the template; every value is escaped.
+
+    Parameters
+    ----------
+    study : Study
+        Tables and figures of the page.
+    """
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
@@ -132,7 +138,13 @@ def write_study(study: Study, page: Path, digest: Path, keys: str) -> None:
 
 
 def cell(value: object) -> str:
-    """A table's cell as text."""
+    """A table's cell as text.
+
+    Parameters
+    ----------
+    value : object
+        Number, text or other.
+    """
     return number(value, 3) if isinstance(value, int | float) else str(value)
 
 
@@ -153,6 +165,12 @@ def measured(value: float, half: float, digits: int = 0) -> str:
 
 
 def as_markdown(table: Table) -> str:
-    """A table as Markdown, for the documents."""
+    """A table as Markdown, for the documents.
+
+    Parameters
+    ----------
+    table : Table
+        Title, head, rows and note.
+    """
     lines = [table.head, ["---"] * len(table.head), *([cell(c) for c in r] for r in table.rows)]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)

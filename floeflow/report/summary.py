@@ -318,7 +318,13 @@ def facts(numbers: Mapping[str, Any], scene: Scene) -> dict[str, list[Fact]]:
 
 
 def motion_facts(analyses: xr.Dataset) -> list[Fact]:
-    """How the pack drifts with the wind, as far as the run tells."""
+    """How the pack drifts with the wind, as far as the run tells.
+
+    Parameters
+    ----------
+    analyses : xarray.Dataset
+        Of the analyses of motion.
+    """
     if "wind_factor" not in analyses:
         return []
     factor, turning = (

@@ -26,6 +26,11 @@ log = logging.getLogger(__name__)
 def check_combinations(scene: Scene) -> None:
     """Refuse impossible combinations of keys.
 
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+
     Raises
     ------
     FloeError
@@ -205,7 +210,13 @@ RADIANS = 1.6
 
 
 def scene_warnings(scene: Scene) -> list[str]:
-    """What a scene may say, but hardly means: a sentence each, with the unit."""
+    """What a scene may say, but hardly means: a sentence each, with the unit.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     found = []
     for name in ("friction_angle", "turning_angle"):
         value = getattr(scene.dynamics, name)

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from floeflow.core.errors import FloeError
+from floeflow.core.extensions import load_extensions
 
 
 @dataclass(frozen=True)
@@ -369,6 +370,33 @@ _REGISTERED = (
 
 EFFECTS: dict[str, Effect] = {effect.name: effect for effect in _REGISTERED}
 
+
+def add_effect(effect: Effect) -> None:
+    """Register an effect, from an extension (`floeflow.core.extensions`) for instance.
+
+    Parameters
+    ----------
+    effect : Effect
+        It comes after those that are there.
+
+    Raises
+    ------
+    ValueError
+        Where its name is taken, or it needs or excludes what is not there.
+    """
+    lost = [name for name in (*effect.needs, *effect.excludes) if name not in EFFECTS]
+    if effect.name in EFFECTS or lost:
+        fault = f"names '{lost[0]}', which is no effect" if lost else "is there already"
+        raise ValueError(f"the effect '{effect.name}' {fault}")
+    EFFECTS[effect.name] = effect
+
+
+def known_effects() -> dict[str, Effect]:
+    """All effects by name, those of extensions included."""
+    load_extensions()
+    return EFFECTS
+
+
 # Variables that only some column schemes have; the others of an effect come with every scheme.
 SCHEME_STATE: dict[str, tuple[str, ...]] = {
     "ice_enthalpy": ("bl99", "mushy"),
@@ -380,6 +408,11 @@ SCHEME_STATE: dict[str, tuple[str, ...]] = {
 
 def check_effects(names: Iterable[str]) -> tuple[str, ...]:
     """Return the named effects in the registry's order.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects, as a scene names them.
 
     Raises
     ------
@@ -433,12 +466,24 @@ def _collect(field: str, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def plugin_switches(names: Iterable[str]) -> tuple[str, ...]:
-    """Switches of the LIGGGHTS plugin that these effects set."""
+    """Switches of the LIGGGHTS plugin that these effects set.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return _collect("plugin", names)
 
 
 def ledger_sums(names: Iterable[str]) -> tuple[str, ...]:
-    """Sums of the plugin that these effects add to a window's budget, components apart."""
+    """Sums of the plugin that these effects add to a window's budget, components apart.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return tuple(
         f"{name}{axis}"
         for name in _collect("ledger", names)
@@ -447,7 +492,13 @@ def ledger_sums(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
-    """Forcing variables that these effects read."""
+    """Forcing variables that these effects read.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return _collect("forcing", names)
 
 
@@ -479,7 +530,13 @@ def state_variables(names: Iterable[str], scheme: str = "zero_layer") -> tuple[s
 
 
 def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
-    """Series that these effects add to the diagnostics."""
+    """Series that these effects add to the diagnostics.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return _collect("diagnostics", names)
 
 
@@ -495,7 +552,13 @@ def _column_effects(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def column_processes(names: Iterable[str]) -> tuple[str, ...]:
-    """Processes that these effects add to the column."""
+    """Processes that these effects add to the column.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return _collect("column", names)
 
 
@@ -520,5 +583,11 @@ def column_variables(names: Iterable[str], scheme: str) -> tuple[str, ...]:
 
 
 def column_forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
-    """Forcing variables that the columns read under these effects."""
+    """Forcing variables that the columns read under these effects.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Of effects.
+    """
     return forcing_variables(_column_effects(names))

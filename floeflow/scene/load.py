@@ -16,7 +16,7 @@ from pydantic_core import ErrorDetails
 from floeflow.core.errors import FloeError
 from floeflow.scene.blocks import Scene
 from floeflow.scene.checks import check_combinations
-from floeflow.scene.effects import check_effects
+from floeflow.scene.effects import check_effects, known_effects
 
 MAX_BYTES = 1_000_000
 # Longer whole numbers are no setting, and Python may refuse to print them.
@@ -153,6 +153,11 @@ def _read(path: Path) -> bytes:
 def read_resolved(path: str | Path) -> Scene:
     """Read a scene whose keys were all resolved before, as ``results/<scene>/scene.yaml`` is.
 
+    Parameters
+    ----------
+    path : str or Path
+        Of the resolved scene.
+
     Raises
     ------
     FloeError
@@ -169,6 +174,11 @@ def read_resolved(path: str | Path) -> Scene:
 
 def read_keys(path: str | Path) -> dict[str, Any]:
     """Read the keys that a scene file sets, before any default or check of their values.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the scene file.
 
     Raises
     ------
@@ -251,6 +261,7 @@ def build_scene(keys: Mapping[str, Any], choose: Chooser | None = None) -> Scene
         scene = Scene.model_validate(data)
     except ValidationError as error:
         raise FloeError(_validation_sentence(error)) from None
+    known_effects()  # those of extensions too, before any is looked up
     if auto:
         if choose is None:
             raise FloeError(

@@ -30,6 +30,11 @@ def softened(data: dict[str, Any]) -> dict[str, Any]:
     """Keys of the block ``dynamics`` with the moduli that ``stiffness`` asks for.
 
     A modulus that is named stays. Values that no scene may have are left to the model's checks.
+
+    Parameters
+    ----------
+    data : dict
+        Keys of the block, which stay as they are.
     """
     if data.get("stiffness", "auto") == "full":
         return {"young_modulus": YOUNG, "contact_modulus": CONTACT} | data
@@ -43,7 +48,13 @@ def softened(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def moduli(strength: float) -> tuple[float, float]:
-    """Young's modulus of bonds and modulus of contacts (Pa) for a compressive strength (Pa)."""
+    """Young's modulus of bonds and modulus of contacts (Pa) for a compressive strength (Pa).
+
+    Parameters
+    ----------
+    strength : float
+        Compressive strength (Pa).
+    """
     young, contact = YOUNG_OVER_STRENGTH * strength, CONTACT_OVER_STRENGTH * strength
     # No softer than what a scene may name.
     return min(YOUNG, max(young, LEAST)), min(CONTACT, max(contact, LEAST))

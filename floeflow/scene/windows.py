@@ -10,7 +10,13 @@ MAX_DEPTH = 140
 
 
 def window_name(number: int) -> str:
-    """Name of a window in file names: at least four digits."""
+    """Name of a window in file names: at least four digits.
+
+    Parameters
+    ----------
+    number : int
+        From 0, the state before the first window.
+    """
     return f"{number:04d}"
 
 

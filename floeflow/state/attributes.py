@@ -10,7 +10,7 @@ from datetime import datetime
 
 from floeflow.core.errors import FloeError
 from floeflow.core.period import ATTRIBUTE as PERIOD
-from floeflow.scene.effects import EFFECTS, SCHEME_STATE
+from floeflow.scene.effects import SCHEME_STATE, known_effects
 
 # The column scheme of a state with thermodynamics; where it is missing, zero_layer.
 SCHEME_ATTRIBUTE, DEFAULT_SCHEME = "column_scheme", "zero_layer"
@@ -35,6 +35,11 @@ ATTRIBUTES: dict[str, type] = {
 def check_attributes(attrs: Mapping[Hashable, object]) -> tuple[tuple[str, ...], str]:
     """Effects and column scheme of a state whose attributes are as they must be.
 
+    Parameters
+    ----------
+    attrs : mapping of object
+        Of a state.
+
     Raises
     ------
     FloeError
@@ -48,7 +53,7 @@ def check_attributes(attrs: Mapping[Hashable, object]) -> tuple[tuple[str, ...],
             raise FloeError(f"attribute '{name}' is {value}")
     effects = tuple(str(attrs["effects"]).split())
     for name in effects:
-        if name not in EFFECTS:
+        if name not in known_effects():
             raise FloeError(f"attribute 'effects' names {name!r}, which is not an effect")
     scheme = attrs.get(SCHEME_ATTRIBUTE, DEFAULT_SCHEME)
     if not (isinstance(scheme, str) and scheme in _SCHEMES):

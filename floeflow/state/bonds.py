@@ -132,13 +132,35 @@ def element_rows(ids: np.ndarray, wanted: np.ndarray) -> np.ndarray:
 
 
 def pair_keys(table: Arrays) -> np.ndarray:
-    """One number for each pair, in the order of (id_lo, id_hi); ids fit in 32 bits."""
+    """One number for each pair, in the order of (id_lo, id_hi); ids fit in 32 bits.
+
+    Parameters
+    ----------
+    table : Arrays
+        Pairs by id, (m,) each.
+
+    Returns
+    -------
+    ndarray
+        (m,).
+    """
     lo, hi = (np.asarray(table[name], np.int64) for name in ("id_lo", "id_hi"))
     return (lo << 32) | hi
 
 
 def line_length(table: Arrays) -> np.ndarray:
-    """Length of each glue line, m, from its ends in the body frame of the lower id."""
+    """Length of each glue line, m, from its ends in the body frame of the lower id.
+
+    Parameters
+    ----------
+    table : Arrays
+        Bond table of m bonds.
+
+    Returns
+    -------
+    ndarray
+        m, (m,).
+    """
     return np.hypot(table["lo_bx"] - table["lo_ax"], table["lo_by"] - table["lo_ay"])
 
 
@@ -161,7 +183,13 @@ def lines_in_space(table: Arrays, x: np.ndarray, y: np.ndarray, theta: np.ndarra
 
 
 def empty_pairs(columns: tuple[str, ...]) -> Arrays:
-    """Table without pairs."""
+    """Table without pairs.
+
+    Parameters
+    ----------
+    columns : tuple of str
+        Names of the columns.
+    """
     table: Arrays = {"id_lo": np.zeros(0, np.int64), "id_hi": np.zeros(0, np.int64)}
     return table | {name: np.zeros(0) for name in columns}
 

@@ -67,7 +67,13 @@ class Cells:
 
 
 def read_cells(data: xr.Dataset) -> Cells:
-    """Cells from the dataset that `floeflow.packings.fresh_cells` wrote."""
+    """Cells from the dataset that `floeflow.packings.fresh_cells` wrote.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Cells of a packing.
+    """
     start, ring = data["cell_start"].values, np.stack([data["cell_x"], data["cell_y"]], axis=1)
     return Cells(
         **{name: data[name].values for name in ("id", "x", "y", "radius", "area")},
@@ -104,7 +110,13 @@ def polygons_of(start: Index, ring: Array) -> NDArray[np.object_]:
 
 
 def rings_of(polygons: NDArray[np.object_]) -> tuple[Index, Array]:
-    """Open rings of polygons without holes: starts (n + 1,) and corners (c, 2)."""
+    """Open rings of polygons without holes: starts (n + 1,) and corners (c, 2).
+
+    Parameters
+    ----------
+    polygons : ndarray
+        Of shapely, (n,).
+    """
     xy, of = shapely.get_coordinates(polygons, return_index=True)
     last = np.append(of[1:] != of[:-1], True) if len(of) else np.zeros(0, dtype=bool)
     start = np.searchsorted(of[~last], np.arange(len(polygons) + 1))

@@ -68,6 +68,11 @@ def bearing_thickness(state: xr.Dataset) -> np.ndarray:
 
     Ice that covers a share of its element bears over that share of a bond or contact. Mass and
     stiffness then shrink together, so thin or open ice asks for no shorter step.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        The state.
     """
     return np.asarray(state["ice_volume"].values.sum(axis=1))
 
@@ -77,6 +82,11 @@ def joint_thickness(state: xr.Dataset) -> np.ndarray:
 
     That which bears load; the coast is as thick as the thickest ice, so that the ice's own
     thickness sets what joins them.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        The state.
     """
     thickness = bearing_thickness(state)
     coast = state["type"].values == COAST
@@ -176,6 +186,11 @@ def thin_bonds(state: xr.Dataset) -> xr.Dataset:
 
     The series thickness of a pair is that of the thinner element. Where its ice has melted out
     nothing is left of a bond.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        The state.
     """
     if "bond_thickness" not in state:
         return state

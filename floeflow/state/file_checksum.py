@@ -31,6 +31,11 @@ def _line(path: Path, size: int) -> bytes:
 def append_file_checksum(path: Path) -> None:
     """Put the checksum behind the bytes of a file that has none.
 
+    Parameters
+    ----------
+    path : Path
+        Of a file, which is changed.
+
     Raises
     ------
     OSError
@@ -43,6 +48,11 @@ def append_file_checksum(path: Path) -> None:
 
 def check_file_checksum(path: Path) -> None:
     """Verify that a file's bytes are those of its checksum.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file.
 
     Raises
     ------

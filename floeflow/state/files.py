@@ -28,7 +28,18 @@ CHECKSUM = "checksum"
 
 
 def checksum(data: xr.Dataset) -> str:
-    """SHA-256 of a dataset's names, types, shapes, bytes and attributes (but of itself)."""
+    """SHA-256 of a dataset's names, types, shapes, bytes and attributes (but of itself).
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Any dataset.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+    """
     digest = hashlib.sha256()
     attrs = {name: _plain(value) for name, value in data.attrs.items() if name != CHECKSUM}
     digest.update(json.dumps(attrs, sort_keys=True).encode())
@@ -77,6 +88,11 @@ def write_dataset(data: xr.Dataset, path: str | Path) -> str:
 
 def read_dataset(path: str | Path) -> xr.Dataset:
     """Verify the checksum of a file of `write_dataset` and read it into memory.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the file.
 
     Raises
     ------
@@ -137,6 +153,11 @@ def read_state(path: str | Path) -> xr.Dataset:
     """Read a state, verify its checksum and schema; all floating variables in double precision.
 
     A state of an older schema version is brought to the present one (`floeflow.state.migrations`).
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the file.
 
     Raises
     ------

@@ -22,6 +22,11 @@ from floeflow.state.walls import join, lines, plane
 def make_planes(scene: Scene) -> list[Arrays]:
     """Planes that a scene names: sides of its rectangle, then further ones.
 
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+
     Raises
     ------
     FloeError
@@ -48,6 +53,11 @@ def make_planes(scene: Scene) -> list[Arrays]:
 def make_walls(scene: Scene) -> list[Arrays]:
     """Walls that a scene names, in the order of `wall_names`.
 
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+
     Raises
     ------
     FloeError
@@ -62,7 +72,13 @@ def make_walls(scene: Scene) -> list[Arrays]:
 
 
 def scene_walls(scene: Scene) -> Arrays | None:
-    """Faces of all walls that a scene names, or None."""
+    """Faces of all walls that a scene names, or None.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     walls = make_walls(scene)
     return join(walls) if walls else None
 

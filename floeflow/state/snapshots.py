@@ -29,7 +29,13 @@ BONDED = "bonded_length"
 
 
 def snapshot(state: xr.Dataset) -> xr.Dataset:
-    """What is kept of a state at a boundary, its attributes included."""
+    """What is kept of a state at a boundary, its attributes included.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        The state.
+    """
     kept = [
         str(name)
         for name, variable in state.data_vars.items()
@@ -44,7 +50,13 @@ def snapshot(state: xr.Dataset) -> xr.Dataset:
 
 
 def bonded_length(state: xr.Dataset) -> np.ndarray:
-    """Length of the glue lines that hold each element, less their cracks (m), (element,)."""
+    """Length of the glue lines that hold each element, less their cracks (m), (element,).
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With a bond table.
+    """
     ids = state["id"].values
     left = 1.0 - state["bond_crack_a"].values - state["bond_crack_b"].values
     length = state["bond_length"].values * np.clip(left, 0.0, 1.0)
@@ -93,7 +105,13 @@ def join_snapshots(snapshots: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def split_snapshots(joined: xr.Dataset) -> Iterator[xr.Dataset]:
-    """Snapshots of what `join_snapshots` laid together, one after the other, as parts of states."""
+    """Snapshots of what `join_snapshots` laid together, one after the other, as parts of states.
+
+    Parameters
+    ----------
+    joined : xarray.Dataset
+        Snapshots along ``boundary``.
+    """
     ends = {
         dim: np.cumsum(joined[f"{dim}_count"].values) for dim in RAGGED if f"{dim}_count" in joined
     }
@@ -132,6 +150,11 @@ def write_snapshots(snapshots: Sequence[xr.Dataset], path: str | Path) -> None:
 
 def read_snapshots(paths: Iterable[str | Path]) -> Iterator[xr.Dataset]:
     """Snapshots of several files, one after the other; one file is in memory at a time.
+
+    Parameters
+    ----------
+    paths : iterable of str or Path
+        Of files of ``elements/``.
 
     Raises
     ------

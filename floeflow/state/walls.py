@@ -159,7 +159,13 @@ def enclosed(faces: Arrays, wall: int, x: np.ndarray, y: np.ndarray) -> np.ndarr
 
 
 def join(walls: list[Arrays]) -> Arrays:
-    """Faces of all walls, numbered in their order."""
+    """Faces of all walls, numbered in their order.
+
+    Parameters
+    ----------
+    walls : list of Arrays
+        Tables of faces.
+    """
     out: dict[str, list[np.ndarray]] = {name: [] for name in (*FACE_NUMBERS, *FACE_COLUMNS)}
     start = 0
     for number, wall in enumerate(walls):

@@ -2,14 +2,15 @@
 """Transfer of fields between elements and grids: weights built once, applied to many fields.
 
 `weights` averages (moving least squares), `bins` adds up (conservative), `fields` says which of
-the two a quantity needs, `carry` brings a hierarchy of fields over with exact totals and within
-bounds, `samples` goes from grids to elements and back, `readers` reads other programs' meshes
-(imported by name only: it brings meshio along). docs/theory/remap.md has the equations.
+the two a quantity needs, `conservative_transfer` brings a hierarchy of fields over with exact
+totals and within bounds, `samples` goes from grids to elements and back, `readers` reads other
+programs' meshes (imported by name only: it brings meshio along). docs/theory/remap.md has the
+equations.
 """
 
 from floeflow.transfer.bins import Bins, Room, build_bins, build_room, open_room
 from floeflow.transfer.bounded import Bounded, Ranks, nearest_bounded
-from floeflow.transfer.conservative import Carried, carry, near_cells
+from floeflow.transfer.conservative import Carried, conservative_transfer, near_cells
 from floeflow.transfer.fields import ROOM, Field, Remapper, build_remapper, remap
 from floeflow.transfer.grid import Grid
 from floeflow.transfer.mesh import Mesh, curvilinear
@@ -43,7 +44,7 @@ __all__ = [
     "build_room",
     "build_sampler",
     "build_weights",
-    "carry",
+    "conservative_transfer",
     "curvilinear",
     "disc_points",
     "load_weights",

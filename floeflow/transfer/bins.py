@@ -128,7 +128,13 @@ class Bins:
         return np.bincount(self.matrix.indices, minlength=self.matrix.shape[1]) > 0
 
     def unplaced(self, amount: Array) -> float:
-        """Amount in elements that lie outside of the grid or have no sea in reach."""
+        """Amount in elements that lie outside of the grid or have no sea in reach.
+
+        Parameters
+        ----------
+        amount : ndarray
+            Of each element, (n,), in any unit.
+        """
         return float(amount[~self.placed()].sum())
 
 

@@ -28,7 +28,7 @@ LEAST_COVERAGE = 1e-12
 
 @dataclass(frozen=True)
 class _Closure:
-    """How totals are closed on the grid; as `carry` takes them."""
+    """How totals are closed on the grid; as `conservative_transfer` takes them."""
 
     near: NDArray[np.bool_] | None
     ranks: Ranks
@@ -59,7 +59,7 @@ class Carried:
     infeasible: list[str] = field(default_factory=list)
 
 
-def carry(
+def conservative_transfer(
     fields: Sequence[Field],
     values: Mapping[str, Array],
     remapper: Remapper,
@@ -114,7 +114,7 @@ def carry(
         if item.name not in values:
             raise FloeError(f"remap: '{item.name}' has no values")
         try:
-            _carry_one(item, values, amounts, remapper, placed, closure, carried)
+            _transfer_one(item, values, amounts, remapper, placed, closure, carried)
         except FloeError as error:
             raise FloeError(f"{item.name}: {error}") from None
         if item.kind == "extensive":
@@ -122,7 +122,7 @@ def carry(
     return carried
 
 
-def _carry_one(
+def _transfer_one(
     item: Field,
     values: Mapping[str, Array],
     amounts: Mapping[str, Array],

@@ -139,7 +139,9 @@ def check_places(x: Array, y: Array, target: Target) -> None:
 
 
 @jit
-def sort_by_cell(column, row, nx, ny, reach):  # type: ignore[no-untyped-def]
+def sort_by_cell(
+    column: np.ndarray, row: np.ndarray, nx: int, ny: int, reach: int
+) -> tuple[np.ndarray, ...]:
     """Elements between the nodes of a lattice in order of the cells between them.
 
     The rim of the lattice has ``reach`` more cells on each side. Returns the first element of each
@@ -190,7 +192,15 @@ def sort_by_cell(column, row, nx, ny, reach):  # type: ignore[no-untyped-def]
 
 
 @jit
-def lattice_pairs(cell_start, order, column, row, nx, ny, reach):  # type: ignore[no-untyped-def]
+def lattice_pairs(
+    cell_start: np.ndarray,
+    order: np.ndarray,
+    column: np.ndarray,
+    row: np.ndarray,
+    nx: int,
+    ny: int,
+    reach: int,
+) -> tuple[np.ndarray, ...]:
     """Pairs of a regular grid from elements that `sort_by_cell` has sorted; see `Stencil`.
 
     Parameters
@@ -268,7 +278,14 @@ def sort_pairs(
 
 
 @jit
-def sum_moments(start, element, hat, xi, eta, weight):  # type: ignore[no-untyped-def]
+def sum_moments(
+    start: np.ndarray,
+    element: np.ndarray,
+    hat: np.ndarray,
+    xi: np.ndarray,
+    eta: np.ndarray,
+    weight: np.ndarray,
+) -> np.ndarray:
     """Sums of 1, xi, eta, xi^2, xi eta, eta^2 times hat and weight, (6, nodes).
 
     Parameters
@@ -309,7 +326,15 @@ def sum_moments(start, element, hat, xi, eta, weight):  # type: ignore[no-untype
 
 
 @jit
-def plane_weights(start, element, hat, xi, eta, weight, planes):  # type: ignore[no-untyped-def]
+def plane_weights(
+    start: np.ndarray,
+    element: np.ndarray,
+    hat: np.ndarray,
+    xi: np.ndarray,
+    eta: np.ndarray,
+    weight: np.ndarray,
+    planes: Planes,
+) -> np.ndarray:
     """Weights psi of all pairs, (pairs,); see `floeflow.transfer.weights`.
 
     Parameters
@@ -331,7 +356,7 @@ def plane_weights(start, element, hat, xi, eta, weight, planes):  # type: ignore
 
 
 @jit
-def row_bounds(start, element, field):  # type: ignore[no-untyped-def]
+def row_bounds(start: np.ndarray, element: np.ndarray, field: np.ndarray) -> tuple[np.ndarray, ...]:
     """Least and largest value among each node's elements; inf and -inf without any.
 
     Parameters

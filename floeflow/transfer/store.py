@@ -20,7 +20,18 @@ KIND = "remap weights 2"
 
 
 def target_variables(target: Target) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
-    """Variables that describe a target in a file of weights."""
+    """Variables that describe a target in a file of weights.
+
+    Parameters
+    ----------
+    target : Target
+        Grid or elements.
+
+    Raises
+    ------
+    FloeError
+        Of another kind of target.
+    """
     if isinstance(target, Grid):
         return {"x": (("x",), target.x), "y": (("y",), target.y)}
     if isinstance(target, Mesh):
@@ -69,6 +80,11 @@ def save_weights(weights: Weights, path: str | Path) -> None:
 
 def load_weights(path: str | Path) -> Weights:
     """Read weights that `save_weights` wrote; they give the same bits.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the file.
 
     Raises
     ------

@@ -123,7 +123,13 @@ class Weights:
         return low.reshape(self.status.shape), high.reshape(self.status.shape)
 
     def filled(self, distance: float) -> Weights:
-        """Give empty nodes the weights of the nearest node that has some, up to a distance (m)."""
+        """Give empty nodes the weights of the nearest node that has some, up to a distance (m).
+
+        Parameters
+        ----------
+        distance : float
+            m.
+        """
         status = self.status.ravel().copy()
         empty, known = np.flatnonzero(status == EMPTY), np.flatnonzero(status != EMPTY)
         if not (len(empty) and len(known)):
@@ -175,6 +181,16 @@ def moment_condition(moments: Array) -> Array:
     """Condition number of each node's moment matrix, scaled by its mass; inf if singular.
 
     The eigenvalues of a symmetric 3 x 3 matrix in closed form (Smith 1961, Commun. ACM 4, 168).
+
+    Parameters
+    ----------
+    moments : ndarray
+        Of each node, (n, 3, 3).
+
+    Returns
+    -------
+    ndarray
+        1, (n,).
     """
     some = np.flatnonzero(moments[0] > 0.0)
     a, b, aa, ab, bb = moments[1:, some] / moments[0, some]

@@ -38,6 +38,11 @@ def clock_sentence(folder: Path) -> str:
 def check_clock(folder: Path) -> None:
     """Refuse to begin with results that are newer than the clock.
 
+    Parameters
+    ----------
+    folder : Path
+        Folder of results.
+
     Raises
     ------
     FloeError

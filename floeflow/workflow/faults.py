@@ -70,6 +70,12 @@ def take_faults(results: Path, run: str) -> list[str]:
 
 
 def say_last(sentences: list[str]) -> None:
-    """Print sentences when the program ends, after all that Snakemake says."""
+    """Print sentences when the program ends, after all that Snakemake says.
+
+    Parameters
+    ----------
+    sentences : list of str
+        One a line.
+    """
     for sentence in reversed(sentences):
         atexit.register(print, f"floeflow: {sentence}", file=sys.stderr, flush=True)

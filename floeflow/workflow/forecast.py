@@ -28,7 +28,13 @@ class Forecast:
         return expectation(self.found, self.ranks)
 
     def last_line(self, folder: Path) -> str:
-        """What the run took, with the files under its folder."""
+        """What the run took, with the files under its folder.
+
+        Parameters
+        ----------
+        folder : Path
+            ``results/<scene>``.
+        """
         size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
         return outcome(self.found, time.monotonic() - self.began, size)
 

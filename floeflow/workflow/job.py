@@ -86,6 +86,11 @@ def run_script(main: Callable[[Snakemake], None], snakemake: Snakemake) -> None:
 def check_room(folder: Path) -> None:
     """Refuse to begin where the disk is as good as full.
 
+    Parameters
+    ----------
+    folder : Path
+        ``results/<scene>``, or where it will be.
+
     Raises
     ------
     FloeError
@@ -116,7 +121,13 @@ def _keep_cost(snakemake: Snakemake) -> None:
 
 
 def scene_of(snakemake: Snakemake) -> Scene:
-    """Scene of the running job, as the workflow resolved it."""
+    """Scene of the running job, as the workflow resolved it.
+
+    Parameters
+    ----------
+    snakemake : Snakemake
+        Object that Snakemake gives to scripts.
+    """
     return read_resolved(snakemake.input.scene)
 
 
@@ -126,6 +137,11 @@ def launcher_of(snakemake: Snakemake) -> tuple[tuple[str, ...], int]:
     On one machine that is ``mpirun`` with the rule's threads. In a job of Slurm it asks for no
     step: that would wait for ever inside of another one. On a cluster the profile sets the
     resource ``mpi``, and the ranks are the job's ``tasks``, which may lie on several nodes.
+
+    Parameters
+    ----------
+    snakemake : Snakemake
+        Object that Snakemake gives to scripts.
     """
     mpi = str(snakemake.resources.get("mpi") or "")
     if mpi:
@@ -134,6 +150,12 @@ def launcher_of(snakemake: Snakemake) -> tuple[tuple[str, ...], int]:
 
 
 def scene_folder(snakemake: Snakemake) -> Path:
-    """``results/<scene>`` of the running stage; the folder of its output where it has no scene."""
+    """``results/<scene>`` of the running stage; the folder of its output where it has no scene.
+
+    Parameters
+    ----------
+    snakemake : Snakemake
+        Object that Snakemake gives to scripts.
+    """
     name = getattr(snakemake.wildcards, "scene", None)
     return Path("results") / str(name) if name else Path(str(snakemake.output[0])).parent

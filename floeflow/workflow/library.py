@@ -13,7 +13,7 @@ from floeflow.core.extensions import extension_digest
 from floeflow.core.file_hash import file_hash
 
 # Packages behind each stage, beside those that all share. Keys of the scene have hashes of their
-# own, so a new key alone redoes nothing.
+# own, so a new key alone reruns nothing.
 SHARED = ("core", "state")
 PACKAGES: dict[str, tuple[str, ...]] = {
     "land": ("masks",),
@@ -36,7 +36,13 @@ PACKAGES: dict[str, tuple[str, ...]] = {
 
 @functools.cache
 def package_digest(package: str) -> str:
-    """SHA-256 of the names and bytes of a package's modules and data."""
+    """SHA-256 of the names and bytes of a package's modules and data.
+
+    Parameters
+    ----------
+    package : str
+        Name of a package, with dots.
+    """
     folder = Path(floeflow.__file__).parent / package
     digest = hashlib.sha256()
     for path in sorted(folder.rglob("*")):
@@ -47,14 +53,26 @@ def package_digest(package: str) -> str:
 
 
 def library_digest(stage: str) -> str:
-    """Digest (16 hexadecimal digits) of the code behind a stage."""
+    """Digest (16 hexadecimal digits) of the code behind a stage.
+
+    Parameters
+    ----------
+    stage : str
+        Name of the stage.
+    """
     parts = [package_digest(package) for package in (*SHARED, *PACKAGES[stage])]
     parts += [added] if (added := extension_digest()) else []
     return hashlib.sha256(" ".join(parts).encode()).hexdigest()[:16]
 
 
 def made_with(plugin: Path) -> str:
-    """Digests of the plugin and of the code that make windows, in one word."""
+    """Digests of the plugin and of the code that make windows, in one word.
+
+    Parameters
+    ----------
+    plugin : Path
+        Path of the plugin's library.
+    """
     return f"{file_hash(plugin)[:16]}-{library_digest('windows')}"
 
 

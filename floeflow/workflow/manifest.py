@@ -34,7 +34,13 @@ LIBRARIES = (
 
 
 def input_files(scene: Scene) -> list[str]:
-    """Files that the scene names: mask, shoreline, region, forcing, sea, walls."""
+    """Files that the scene names: mask, shoreline, region, forcing, sea, walls.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     mask = scene.mask
     named = [
         mask.labels.file or ("" if mask.uniform else mask.file),
@@ -48,7 +54,13 @@ def input_files(scene: Scene) -> list[str]:
 
 
 def hash_of(name: str) -> str:
-    """SHA-256 of an input file; of a folder (a Zarr store), of its files' names and hashes."""
+    """SHA-256 of an input file; of a folder (a Zarr store), of its files' names and hashes.
+
+    Parameters
+    ----------
+    name : str
+        Of a file or folder.
+    """
     path = Path(name)
     if not path.is_dir():
         return file_hash(path)
@@ -71,7 +83,13 @@ def versions() -> dict[str, str]:
 
 
 def timings(folder: Path) -> dict[str, dict[str, float]]:
-    """Seconds, CPU seconds and memory (MB) of each job, as Snakemake measured them."""
+    """Seconds, CPU seconds and memory (MB) of each job, as Snakemake measured them.
+
+    Parameters
+    ----------
+    folder : Path
+        ``results/<scene>``.
+    """
     found = {}
     for path in sorted((folder / "benchmarks").rglob("*.tsv")):
         with path.open(newline="") as file:

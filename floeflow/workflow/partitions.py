@@ -52,7 +52,13 @@ def longest(table: str, partition: str = "") -> int | None:
 
 
 def minutes(limit: str) -> int | None:
-    """Minutes of Slurm's ``days-hours:minutes:seconds``; none where it is no time."""
+    """Minutes of Slurm's ``days-hours:minutes:seconds``; none where it is no time.
+
+    Parameters
+    ----------
+    limit : str
+        As Slurm prints it.
+    """
     found = re.fullmatch(r"(?:(\d+)-)?(?:(\d+):)?(\d+):(\d+)", limit.strip())
     if found is None:
         return None

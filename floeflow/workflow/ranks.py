@@ -13,7 +13,13 @@ RULE = "windows"
 
 
 def asked_ranks(settings: Any) -> Any:
-    """What the command line asks for as ranks: a number, another value, or None."""
+    """What the command line asks for as ranks: a number, another value, or None.
+
+    Parameters
+    ----------
+    settings : object
+        Of Snakemake's command line.
+    """
     asked = getattr(settings, "overwrite_threads", {}).get(RULE)
     return getattr(asked, "raw", asked)
 

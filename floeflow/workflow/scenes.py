@@ -92,7 +92,13 @@ class Run:
         return list(self.chunks)[-1]
 
     def before(self, chunk: str) -> str:
-        """Name of the window before a chunk."""
+        """Name of the window before a chunk.
+
+        Parameters
+        ----------
+        chunk : str
+            Name of the chunk.
+        """
         return window_name(int(self.chunks[chunk][0]) - 1)
 
 
@@ -178,14 +184,26 @@ class Scenes:
         return min(minutes, self._limits["partition"] or minutes)
 
     def run(self, name: str) -> Run:
-        """The run of a scene's name."""
+        """The run of a scene's name.
+
+        Parameters
+        ----------
+        name : str
+            Of the scene.
+        """
         if name not in self._runs:
             with refused_in_a_sentence(name):
                 self._runs[name] = self._resolve(name) if self._main else self._read(name)
         return self._runs[name]
 
     def scene(self, name: str) -> Scene:
-        """The scene of a name."""
+        """The scene of a name.
+
+        Parameters
+        ----------
+        name : str
+            Of the scene.
+        """
         return self.run(name).scene
 
     def hash(self, name: str, stage: str) -> str:
@@ -231,7 +249,13 @@ class Scenes:
         return name if same else base
 
     def file(self, name: str) -> str | list[str]:
-        """Path of a resolved scene; none in a dry run that has nothing written yet."""
+        """Path of a resolved scene; none in a dry run that has nothing written yet.
+
+        Parameters
+        ----------
+        name : str
+            Of the scene.
+        """
         if name not in self._files:
             self.run(name)
             path = RESULTS / name / "scene.yaml"
@@ -363,6 +387,11 @@ def refused_in_a_sentence(name: str) -> Iterator[None]:
     """End the program with one sentence and exit code 1 where the body fails.
 
     A fault of the program itself is told in a sentence too, with the file that has its traceback.
+
+    Parameters
+    ----------
+    name : str
+        Of the scene file.
     """
     try:
         yield

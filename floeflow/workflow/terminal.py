@@ -25,7 +25,13 @@ class OneLine(logging.Formatter):
         self._inner = inner
 
     def format(self, record: logging.LogRecord) -> str:
-        """Words of a record; those of a job or of progress on one line, errors as they are."""
+        """Words of a record; those of a job or of progress on one line, errors as they are.
+
+        Parameters
+        ----------
+        record : logging.LogRecord
+            Of the log.
+        """
         text = self._inner.format(record)
         if getattr(record, "event", None) is None or record.levelno >= logging.WARNING:
             return text
@@ -35,7 +41,13 @@ class OneLine(logging.Formatter):
 
 
 def tells(record: logging.LogRecord) -> bool:
-    """Whether a record tells of anything."""
+    """Whether a record tells of anything.
+
+    Parameters
+    ----------
+    record : logging.LogRecord
+        Of the log.
+    """
     words = str(record.msg or "").strip()
     named = getattr(record, "event", None) is not None
     return record.levelno >= logging.WARNING or (

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
 // The loops of the pair style once more, written by hand for one set of terms each: what is off was
-// never there. Instructions are counted against these (tests/unit/test_pair_loop_cost.py).
+// never there. Instructions are counted against these (tests/unit/dynamics/test_pair_loop_cost.py).
 #ifndef FLOE_TESTS_BY_HAND_H
 #define FLOE_TESTS_BY_HAND_H
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 //
-// For the count of instructions (tests/unit/test_pair_loop_cost.py): runs loops of the pair style some
-// number of times, the argument, and beside each one written by hand (by_hand.h) on the same pairs.
+// For the count of instructions (tests/unit/dynamics/test_pair_loop_cost.py): runs loops of the pair
+// style some number of times, the argument, and beside each one written by hand (by_hand.h) on the
+// same pairs.
 #include <mpi.h>
 
 #include <algorithm>

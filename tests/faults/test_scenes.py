@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Every faulty scene of the table ends in one sentence at the front door, exit code 1."""
+"""Every faulty scene of the table ends in one sentence before any job, exit code 1."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def long(text: str) -> str:
 
 
 def said(path: Path, capsys: pytest.CaptureFixture[str], config: dict[str, Any]) -> str:
-    """What the front door prints where it refuses a scene."""
+    """What the workflow prints where it refuses a scene."""
     with pytest.raises(SystemExit) as leave:
         Scenes({"scene": str(path), **config}, LOOKING)
     assert leave.value.code == 1

@@ -113,7 +113,7 @@ def test_ice_melts_out_in_one_step_and_leaves_nothing(name: str):
     after, sums = advance(before, weather(1, 4, **SUMMER), DAY, p)
     assert (after.ice_volume == 0.0).all() and (after.snow_volume == 0.0).all()
     assert (after.ice_enthalpy == 0.0).all() and (after.pond_depth == 0.0).all()
-    # The sea is 3 K warm and gets a summer's day: it pays for the ice and is warm still.
+    # The sea is 3 K warm and gets a summer's day: it melts the ice and is warm still.
     assert (after.sea_temperature > 0.0).all()
     melted = sum(sums[n] for n in ("melt_top", "melt_bottom", "melt_lateral", "cleared_ice"))
     gone = melted + sums["sublimation_ice"] - sums["snow_ice"] - sums["growth"]

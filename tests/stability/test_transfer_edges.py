@@ -21,7 +21,7 @@ from floeflow.transfer import (
     Grid,
     build_remapper,
     build_room,
-    carry,
+    conservative_transfer,
     open_room,
 )
 from floeflow.transfer.bins import Room
@@ -52,7 +52,7 @@ def transfer(x, y, room: Room | None = None, filled: float = 0.3) -> tuple[Carri
     }
     parents = {name: values[name] for name in ("area", "ice", "volume")}
     remapper = build_remapper(x, y, parents, room)
-    found = carry(FIELDS, values, remapper)
+    found = conservative_transfer(FIELDS, values, remapper)
     on = remapper.bins.placed()
     for name in parents:
         size = max(values[name].sum(), 1e-300)

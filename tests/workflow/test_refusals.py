@@ -39,7 +39,7 @@ def refusal(place: Place, scene: Path) -> str:
 def said(
     place: Place, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[[Path], str]:
-    """What the Snakefile's front door says of a scene, asked in this process."""
+    """What the Snakefile says of a scene, asked in this process."""
     monkeypatch.chdir(place.folder)
     run = SimpleNamespace(
         is_main_process=True, basedir=".", output_settings=SimpleNamespace(dryrun=False)

@@ -89,15 +89,15 @@ def test_accuracy_ends_in_orders_and_a_recommendation(tmp_path: Path):
     # So few elements have long steps: samples in between would cut them all to the same.
     done = run_study(tmp_path, "accuracy", dynamics={"samples": 1})
     data = read_dataset(done.results / "accuracy/accuracy.nc")
-    knobs = {str(name) for name in data["knob"].values}
-    assert {"step_share", "softness", "element_size", "together"} <= knobs
+    settings = {str(name) for name in data["setting"].values}
+    assert {"step_share", "softness", "element_size", "together"} <= settings
     norms = [str(name) for name in data["norm"].values]
     stable = data["stable"].values == 1
-    for knob in ("step_share", "element_size"):
-        rows = stable & (data["knob"].values == knob)
+    for setting in ("step_share", "element_size"):
+        rows = stable & (data["setting"].values == setting)
         order = data["level"].values[rows].argsort()
         work = data["element_steps"].values[rows][order]
-        assert (work[:-1] > work[1:]).all(), knob
+        assert (work[:-1] > work[1:]).all(), setting
         for norm in KEPT:
             assert (data["error"].values[rows, norms.index(norm)] >= 0).all()
     page = (done.results / "accuracy.html").read_text()

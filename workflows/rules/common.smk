@@ -5,7 +5,7 @@ from pathlib import Path
 
 from floeflow.analysis.estimate.resources import job_memory, job_minutes, job_ranks
 from floeflow.analysis.studies.plans import STUDIES, study_variants
-from floeflow.diagnostics.study_summaries import valid_digests
+from floeflow.diagnostics.study_summaries import valid_summaries
 from floeflow.forcings.files import users_files
 from floeflow.masks.polygon_inputs import polygon_inputs
 from floeflow.workflow.library import library_digest
@@ -243,4 +243,4 @@ def study_records(study):
 def finished_studies(wildcards):
     """Studies that the report shows: those that are there and hold for this scene."""
     folder = Path("results") / wildcards.scene
-    return valid_digests(folder, scene_hashes(wildcards.scene, *STUDY_STAGES))
+    return valid_summaries(folder, scene_hashes(wildcards.scene, *STUDY_STAGES))

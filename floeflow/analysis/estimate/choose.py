@@ -172,7 +172,13 @@ def recommended(rows: Iterable[Estimate], defaults: Iterable[str]) -> tuple[str,
 
 
 def choose(scene: Scene) -> tuple[str, ...]:
-    """Effects for ``effects: auto``: estimated with all of them, so that each meets the others."""
+    """Effects for ``effects: auto``: estimated with all of them, so that each meets the others.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys; its effects are not read.
+    """
     c = conditions(scene)
     default = type(scene).model_fields["effects"].default
     possible = [name for name in EFFECTS if _has_forcing(scene, name)]
@@ -197,12 +203,24 @@ def _has_forcing(scene: Scene, name: str) -> bool:
 
 
 def scene_estimates(scene: Scene) -> list[Estimate]:
-    """Estimates of all effects for a scene as it stands."""
+    """Estimates of all effects for a scene as it stands.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return estimate(conditions(scene), scene, scene.effects, coefficients())
 
 
 def as_table(rows: Iterable[Estimate]) -> str:
-    """The estimates as text, most influential first."""
+    """The estimates as text, most influential first.
+
+    Parameters
+    ----------
+    rows : iterable of Estimate
+        Estimates of effects.
+    """
     head = (
         "effect",
         "named",
@@ -238,5 +256,11 @@ def as_table(rows: Iterable[Estimate]) -> str:
 
 
 def numbers_behind(c: Conditions) -> Mapping[str, float]:
-    """The scene's conditions by name: the numbers behind the table."""
+    """The scene's conditions by name: the numbers behind the table.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return asdict(c)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 COSTS = Path(__file__).with_name("costs.json")
 Coefficients = Mapping[str, float]
-# What physics and knobs set; starting programs costs the same for any of them.
+# What physics and settings set; starting programs costs the same for any of them.
 WORK = ("dynamics", "column")
 # Concentration varies within the ice: where the mean is this little below, most has bonds.
 BOND_MARGIN = 0.05
@@ -156,6 +156,11 @@ def coast_measure(c: Pack) -> float:
     """What the elements that a coast adds are proportional to, of those aimed at (1).
 
     Coasts cut elements that lie at them into pieces: a share of all that falls with their size.
+
+    Parameters
+    ----------
+    c : Pack
+        Conditions of the scene.
     """
     return c.coast_share * c.element_size / COAST_SIZE
 

@@ -31,7 +31,18 @@ NUMBERS: dict[str, Number] = {}
 
 
 def number_of(name: str) -> Callable[[Number], Number]:
-    """Register the number of an effect."""
+    """Register the number of an effect.
+
+    Parameters
+    ----------
+    name : str
+        Of the effect.
+
+    Returns
+    -------
+    callable
+        Decorator that registers a function and returns it.
+    """
 
     def register(function: Number) -> Number:
         NUMBERS[name] = function
@@ -41,7 +52,13 @@ def number_of(name: str) -> Callable[[Number], Number]:
 
 
 def meaning(name: str) -> str:
-    """What an effect's number is, in one line; empty where it has none."""
+    """What an effect's number is, in one line; empty where it has none.
+
+    Parameters
+    ----------
+    name : str
+        Of the effect.
+    """
     function = NUMBERS.get(name)
     return (function.__doc__ or "").splitlines()[0].rstrip(".") if function else ""
 
@@ -52,49 +69,97 @@ def _over(part: float, whole: float) -> float:
 
 @number_of("wind")
 def wind(c: Conditions) -> float:
-    """N U_a / U_w: free drift by the wind over the current's speed."""
+    """N U_a / U_w: free drift by the wind over the current's speed.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return _over(c.nansen * c.wind, c.current)
 
 
 @number_of("ocean_drag")
 def ocean_drag(c: Conditions) -> float:
-    """T ρ_w C_w U / (ρ_i h): the run over the time in which the ocean's drag acts."""
+    """T ρ_w C_w U / (ρ_i h): the run over the time in which the ocean's drag acts.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return c.seconds * c.drag_rate
 
 
 @number_of("turning_angle")
 def turning_angle(c: Conditions) -> float:
-    """2 sin(φ/2): how far the turned drag points from the plain one."""
+    """2 sin(φ/2): how far the turned drag points from the plain one.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return 2.0 * math.sin(0.5 * abs(c.turning_angle))
 
 
 @number_of("coriolis")
 def coriolis(c: Conditions) -> float:
-    """ρ_i h f / (ρ_w C_w U): Coriolis force over ocean drag."""
+    """ρ_i h f / (ρ_w C_w U): Coriolis force over ocean drag.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return _over(abs(c.coriolis), c.drag_rate)
 
 
 @number_of("tilt")
 def tilt(c: Conditions) -> float:
-    """ρ_i h f U_w / τ_a: slope of the sea over wind stress."""
+    """ρ_i h f U_w / τ_a: slope of the sea over wind stress.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return _over(c.mass * abs(c.coriolis) * c.current, c.wind_stress)
 
 
 @number_of("grounding")
 def grounding(c: Conditions) -> float:
-    """Share of the ice that the seabed can hold against the mean wind."""
+    """Share of the ice that the seabed can hold against the mean wind.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return c.grounded_share
 
 
 @number_of("friction")
 def friction(c: Conditions) -> float:
-    """μ κ: friction times compaction, 0 for floes apart and 1 for a jammed pack."""
+    """μ κ: friction times compaction, 0 for floes apart and 1 for a jammed pack.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return c.friction * c.compaction
 
 
 @number_of("bonds")
 def bonds(c: Conditions) -> float:
-    """σ_t h / (τ_a L): tensile strength of the pack over the wind's pull across it."""
+    """σ_t h / (τ_a L): tensile strength of the pack over the wind's pull across it.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     if c.concentration < c.bond_concentration:
         return 0.0
     return _over(c.strength * c.tensile_share * c.thickness, c.wind_stress * c.fetch)
@@ -102,31 +167,61 @@ def bonds(c: Conditions) -> float:
 
 @number_of("coast")
 def coast(c: Conditions) -> float:
-    """Share of the ice within an element of land."""
+    """Share of the ice within an element of land.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return c.coast_share
 
 
 @number_of("walls")
 def walls(c: Conditions) -> float:
-    """U T / L: drift over the width of the ice, which is what reaches a wall."""
+    """U T / L: drift over the width of the ice, which is what reaches a wall.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return _over(c.slip * c.seconds, c.fetch)
 
 
 @number_of("ridging")
 def ridging(c: Conditions) -> float:
-    """ε κ (1 - σ_c h / (τ_a L)): share of the area that a jammed pack closes, if the wind can."""
+    """ε κ (1 - σ_c h / (τ_a L)): share of the area that a jammed pack closes, if the wind can.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return c.closing * c.yielding
 
 
 @number_of("redistribution")
 def redistribution(c: Conditions) -> float:
-    """ε κ (1 - σ_c h / (τ_a L)): share of the area that ridges, told thick from thin."""
+    """ε κ (1 - σ_c h / (τ_a L)): share of the area that ridges, told thick from thin.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return c.closing * c.yielding
 
 
 @number_of("refreeze")
 def refreeze(c: Conditions) -> float:
-    """T / t_r in freezing air: the run over the time in which touching elements freeze together."""
+    """T / t_r in freezing air: the run over the time in which touching elements freeze together.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     if c.air_temperature >= c.refreeze_temperature or bonds(c) == 0.0:
         return 0.0
     return c.seconds / c.refreeze_time * min(1.0, 1.0 / max(bonds(c), 1e-9))
@@ -134,7 +229,13 @@ def refreeze(c: Conditions) -> float:
 
 @number_of("thermodynamics")
 def thermodynamics(c: Conditions) -> float:
-    """|F| T / (ρ_i L h): heat through the ice over the heat that melts it."""
+    """|F| T / (ρ_i L h): heat through the ice over the heat that melts it.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     from floeflow.analysis.estimate.ice import run_ice
 
     grown = run_ice(c, frozenset({"thermodynamics"})).volume - c.thickness * c.concentration
@@ -143,44 +244,91 @@ def thermodynamics(c: Conditions) -> float:
 
 @number_of("snow")
 def snow(c: Conditions) -> float:
-    """k_i h_s / (k_s h): insulation by snow over that by ice."""
+    """k_i h_s / (k_s h): insulation by snow over that by ice.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     fallen = c.snow + c.snowfall * c.seconds / SNOW_DENSITY
     return _over(ICE_CONDUCTIVITY * fallen, SNOW_CONDUCTIVITY * c.thickness)
 
 
 @number_of("shortwave")
 def shortwave(c: Conditions) -> float:
-    """(1 - α) F_s T / (ρ_i L h): absorbed sunlight over the heat that melts the ice."""
+    """(1 - α) F_s T / (ρ_i L h): absorbed sunlight over the heat that melts the ice.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return _over(ICE_ABSORPTION * c.shortwave_down * c.seconds, ICE_HEAT * c.thickness)
 
 
 @number_of("ponds")
 def ponds(c: Conditions) -> float:
-    """h_p (α_i - α_p) F_s T / (ρ_i L h): what melt water at the surface adds to melting."""
+    """h_p (α_i - α_p) F_s T / (ρ_i L h): what melt water at the surface adds to melting.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     melted = 0.0 if c.air_temperature < ZERO_CELSIUS - 1.0 else shortwave(c) * c.thickness
     covered = min(0.3, melted)
     return _over(covered * 0.4 * c.shortwave_down * c.seconds, ICE_HEAT * c.thickness)
 
 
 def sea_uptake(c: Conditions) -> float:
-    """Heat that sea and leads take up from below and from the sun, W/m2 of sea."""
+    """Heat that sea and leads take up from below and from the sun, W/m2 of sea.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return c.ocean_heat_flux + (1.0 - c.concentration) * OPEN_ABSORPTION * c.shortwave_down
 
 
 def sea_delay(c: Conditions) -> float:
-    """Time in which a mixed layer hands its heat to the ice (s): H / (c_h u*)."""
+    """Time in which a mixed layer hands its heat to the ice (s): H / (c_h u*).
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     friction = max(math.sqrt(c.ocean_drag) * c.slip, LEAST_FRICTION)
     return c.mixed_layer_depth / (SEA_TRANSFER * friction)
 
 
 def edge_rate(warmth: float) -> float:
-    """Share of the ice that melts from its sides in a second, in water this much above freezing."""
+    """Share of the ice that melts from its sides in a second, in water this much above freezing.
+
+    Parameters
+    ----------
+    warmth : float
+        Of the water above its freezing point (K).
+
+    Returns
+    -------
+    float
+        1/s.
+    """
     return math.pi * 1.6e-6 * warmth**1.36 / (FLOE_SHAPE * FLOE_DIAMETER)
 
 
 @number_of("lateral_melt")
 def lateral_melt(c: Conditions) -> float:
-    """π w T / (α D): melt of the floes' edges over their diameter, where the water is warm."""
+    """π w T / (α D): melt of the floes' edges over their diameter, where the water is warm.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     from floeflow.analysis.estimate.ice import open_water_loss
 
     lost = max(0.0, open_water_loss(c)) * (1.0 - c.concentration)
@@ -192,7 +340,13 @@ def lateral_melt(c: Conditions) -> float:
 
 @number_of("frazil")
 def frazil(c: Conditions) -> float:
-    """(1 - A) |Q| T / (ρ_i L A h): new ice in open water over the ice there is."""
+    """(1 - A) |Q| T / (ρ_i L A h): new ice in open water over the ice there is.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     from floeflow.analysis.estimate.ice import open_water_loss
 
     lost = max(0.0, open_water_loss(c)) * (1.0 - c.concentration) * c.seconds
@@ -201,7 +355,13 @@ def frazil(c: Conditions) -> float:
 
 @number_of("mixed_layer")
 def mixed_layer(c: Conditions) -> float:
-    """(F_w + (1 - A)(1 - α_w) F_s) T / (ρ_i L |ΔV|): heat into the sea over that of the change."""
+    """(F_w + (1 - A)(1 - α_w) F_s) T / (ρ_i L |ΔV|): heat into the sea over that of the change.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     from floeflow.analysis.estimate.ice import run_ice
 
     start = c.concentration * c.thickness
@@ -212,59 +372,119 @@ def mixed_layer(c: Conditions) -> float:
 
 @number_of("sea_relaxation")
 def sea_relaxation(c: Conditions) -> float:
-    """1 - exp(-T / τ): share of its way to the given temperature that the sea is drawn."""
+    """1 - exp(-T / τ): share of its way to the given temperature that the sea is drawn.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return -math.expm1(-c.seconds / c.relaxation_time)
 
 
 @number_of("remap")
 def remap(c: Conditions) -> float:
-    """N |∇u_a| T: shear of the pack over the run; elements are distorted at 1."""
+    """N |∇u_a| T: shear of the pack over the run; elements are distorted at 1.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return c.nansen * c.wind_gradient * c.seconds
 
 
 @number_of("merge")
 def merge(c: Conditions) -> float:
-    """ε: share of the area that closes, which makes elements too small."""
+    """ε: share of the area that closes, which makes elements too small.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return c.closing
 
 
 @number_of("rims")
 def rims(c: Conditions) -> float:
-    """U T / L: drift over the width of the ice, which is what reaches a side."""
+    """U T / L: drift over the width of the ice, which is what reaches a side.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return _over(c.slip * c.seconds, c.fetch)
 
 
 @number_of("gates")
 def gates(c: Conditions) -> float:
-    """None: it changes no result; name it where ice that passes is to be counted."""
+    """None: it changes no result; name it where ice that passes is to be counted.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return math.nan
 
 
 @number_of("periodic")
 def periodic(c: Conditions) -> float:
-    """None: it says what lies beyond the sides, which no estimate can tell."""
+    """None: it says what lies beyond the sides, which no estimate can tell.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return math.nan
 
 
 @number_of("grid_output")
 def grid_output(c: Conditions) -> float:
-    """None: it changes no result; name it where fields on a grid are wanted."""
+    """None: it changes no result; name it where fields on a grid are wanted.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return math.nan
 
 
 @number_of("trajectory_output")
 def trajectory_output(c: Conditions) -> float:
-    """None: it changes no result; name it where paths are wanted."""
+    """None: it changes no result; name it where paths are wanted.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return math.nan
 
 
 @number_of("internal_stress")
 def internal_stress(c: Conditions) -> float:
-    """None: it changes no result; name it where stresses in the ice are wanted."""
+    """None: it changes no result; name it where stresses in the ice are wanted.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return math.nan
 
 
 @number_of("ice_age")
 def ice_age(c: Conditions) -> float:
-    """None: it changes no result; name it where the age of the ice is wanted."""
+    """None: it changes no result; name it where the age of the ice is wanted.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return math.nan

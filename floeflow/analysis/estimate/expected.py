@@ -144,14 +144,26 @@ def outcome(found: Expected, seconds: float, size: float) -> str:
 
 
 def two_digits(value: float) -> str:
-    """A number in two digits, which is more than an estimate has."""
+    """A number in two digits, which is more than an estimate has.
+
+    Parameters
+    ----------
+    value : float
+        In any unit.
+    """
     if value < 10.0:
         return f"{value:.2g}"
     return f"{round(value, 2 - len(str(int(value)))):,.0f}"
 
 
 def as_time(seconds: float) -> str:
-    """A time in its best unit, to two digits."""
+    """A time in its best unit, to two digits.
+
+    Parameters
+    ----------
+    seconds : float
+        Of a time.
+    """
     for unit, name in ((86400.0, "d"), (3600.0, "h"), (60.0, "min")):
         if seconds >= 2 * unit:
             return f"{two_digits(seconds / unit)} {name}"
@@ -159,7 +171,13 @@ def as_time(seconds: float) -> str:
 
 
 def as_size(size: float) -> str:
-    """Bytes in their best unit, to two digits."""
+    """Bytes in their best unit, to two digits.
+
+    Parameters
+    ----------
+    size : float
+        Bytes.
+    """
     for unit, factor in (("TB", 1e12), ("GB", 1e9)):
         if size >= factor:
             return f"{two_digits(size / factor)} {unit}"

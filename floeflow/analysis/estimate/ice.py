@@ -88,7 +88,13 @@ def surface_flux(c: Conditions, temperature: float, albedo: float) -> float:
 
 
 def open_water_loss(c: Conditions) -> float:
-    """Heat that open water at its freezing point gives to the air, W/m2."""
+    """Heat that open water at its freezing point gives to the air, W/m2.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
+    """
     return -surface_flux(c, FREEZING, ALBEDO_WATER)
 
 

@@ -133,6 +133,11 @@ def calm_and_windy(c: Conditions) -> tuple[Conditions, Conditions]:
     """Two halves of the ice, with less and more wind, whose root mean square is the scene's.
 
     Where the wind is weak, what else moves the ice moves it further.
+
+    Parameters
+    ----------
+    c : Conditions
+        Conditions of the scene.
     """
     calm = 1.0 - CALM * min(1.0, c.wind_spread / c.wind) if c.wind else 1.0
     windy = math.sqrt(2.0 - calm**2)

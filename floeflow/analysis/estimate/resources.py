@@ -97,7 +97,13 @@ STAGES = {
 
 
 def outline(scene: Scene) -> Outline:
-    """The scene's pack, before its mask is read."""
+    """The scene's pack, before its mask is read.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys; no file is read.
+    """
     domain = scene.domain
     area = (domain.x_max - domain.x_min) * (domain.y_max - domain.y_min)
     # Half of a domain is land or open water: elements are smaller by that, and steps shorter.
@@ -105,7 +111,13 @@ def outline(scene: Scene) -> Outline:
 
 
 def job_ranks(scene: Scene) -> int:
-    """MPI ranks of a window's job on a cluster: at least two, which Slurm's plugin asks for."""
+    """MPI ranks of a window's job on a cluster: at least two, which Slurm's plugin asks for.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return min(MOST_RANKS, max(2, scene.packing.elements // ELEMENTS_A_RANK))
 
 

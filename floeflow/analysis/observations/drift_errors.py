@@ -75,7 +75,13 @@ class Carrier:
     reach: float
 
     def at(self, places: Complex) -> Complex:
-        """Displacement at places (m): neighbours weighted by distance; NaN far from ice."""
+        """Displacement at places (m): neighbours weighted by distance; NaN far from ice.
+
+        Parameters
+        ----------
+        places : ndarray
+            x + iy (m), (n,).
+        """
         out = np.full(places.shape, complex(np.nan, np.nan))
         known = np.flatnonzero(np.isfinite(places))
         if not known.size or not self.moved.size:
@@ -154,7 +160,13 @@ class LeadErrors:
     along: Array
 
     def skill(self, method: str) -> Array:
-        """1 - MSE of the run / MSE of another method, (lead,)."""
+        """1 - MSE of the run / MSE of another method, (lead,).
+
+        Parameters
+        ----------
+        method : str
+            One of `METHODS`.
+        """
         other = self.rms[METHODS.index(method)]
         ratio = np.divide(self.rms[0], other, out=np.full(other.shape, np.nan), where=other > 0)
         return np.asarray(1.0 - ratio**2)

@@ -70,7 +70,13 @@ def buoys_figure(errors: LeadErrors, window: float) -> Figure:
 
 
 def displacements_figure(drifts: Drifts) -> Figure:
-    """Displacements of run and buoy."""
+    """Displacements of run and buoy.
+
+    Parameters
+    ----------
+    drifts : Drifts
+        Of run and buoys (m).
+    """
     with look():
         figure = new_figure(6.0, 5.4)
         axes = figure.add_subplot()
@@ -123,7 +129,13 @@ def edge_figure(errors: EdgeErrors, start: datetime) -> Figure:
 
 
 def thickness_figure(pairs: ThicknessPairs) -> Figure:
-    """Run against observation."""
+    """Run against observation.
+
+    Parameters
+    ----------
+    pairs : ThicknessPairs
+        Thickness of run and observation (m) at the same places.
+    """
     most = 1.05 * float(max(pairs.observed.max(), pairs.run.max()))
     with look():
         figure = new_figure(5.0, 4.6)
@@ -138,7 +150,13 @@ def thickness_figure(pairs: ThicknessPairs) -> Figure:
 
 
 def runs_figure(runs: Sequence[FinishedRun]) -> Figure:
-    """Series of the runs, one over the other."""
+    """Series of the runs, one over the other.
+
+    Parameters
+    ----------
+    runs : sequence of FinishedRun
+        Runs that have ended.
+    """
     data = [run.diagnostics for run in runs]
     unit, word = time_axis(max(float(each["boundary_time"].values[-1]) for each in data))
     shown = (

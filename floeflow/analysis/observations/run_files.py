@@ -114,6 +114,11 @@ class FinishedRun:
 def open_run(folder: Path) -> FinishedRun:
     """The run in a folder.
 
+    Parameters
+    ----------
+    folder : Path
+        ``results/<scene>``.
+
     Raises
     ------
     FloeError

@@ -27,7 +27,13 @@ NUMBERS = (
 
 
 def labels(runs: Sequence[FinishedRun]) -> list[str]:
-    """A name for each run: its folder's, with the one above where they are alike."""
+    """A name for each run: its folder's, with the one above where they are alike.
+
+    Parameters
+    ----------
+    runs : sequence of FinishedRun
+        Runs that have ended.
+    """
     names = [run.folder.resolve().name for run in runs]
     if len(set(names)) == len(names):
         return names
@@ -40,7 +46,13 @@ def labels(runs: Sequence[FinishedRun]) -> list[str]:
 
 
 def run_table(runs: Sequence[FinishedRun]) -> Table:
-    """Headline numbers of all runs; a difference is told of two."""
+    """Headline numbers of all runs; a difference is told of two.
+
+    Parameters
+    ----------
+    runs : sequence of FinishedRun
+        Runs that have ended.
+    """
     rows = []
     for key, label, size, unit in NUMBERS:
         values = [run.numbers.get(key) for run in runs]

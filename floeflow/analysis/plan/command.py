@@ -20,7 +20,18 @@ from floeflow.core.errors import FloeError, answer_quietly
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Print a proposal, or fit the models anew."""
+    """Print a proposal, or fit the models anew.
+
+    Parameters
+    ----------
+    words : sequence of str or None, optional
+        Of the command line; None for those of the process.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
     parser = argparse.ArgumentParser(
         prog="floeflow plan",
         description="Propose numerical settings for a scene, from a wanted error or run time.",

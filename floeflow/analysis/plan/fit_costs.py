@@ -86,7 +86,13 @@ def read_runs(folders: Iterable[Path]) -> list[Run]:
 
 
 def with_rest(record: Mapping[str, Any]) -> dict[str, Any]:
-    """A record with what its windows took beside dynamics, column and forcing, as ``window``."""
+    """A record with what its windows took beside dynamics, column and forcing, as ``window``.
+
+    Parameters
+    ----------
+    record : mapping
+        Seconds of a run's parts.
+    """
     cpu = dict(record["cpu"])
     cpu["window"] = max(0.0, record["cpu_seconds"] - sum(cpu.values()))
     return {**record, "cpu": cpu}
@@ -114,7 +120,13 @@ def read_whole_runs(folders: Iterable[Path]) -> list[Run]:
 
 
 def base_scene(folder: Path) -> Path:
-    """Resolved scene of the base run of a study ``results/<scene>/<study>``."""
+    """Resolved scene of the base run of a study ``results/<scene>/<study>``.
+
+    Parameters
+    ----------
+    folder : Path
+        ``results/<scene>/<study>``.
+    """
     name = run_name(folder.parent.name, folder.name, BASE)
     return folder.parent.parent / name / "scene.yaml"
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """How far a scene's settings are from the limit: the error model of plans.
 
-Each knob of the accuracy study has a dimensionless resolution x, which scenes have in common, and
-an error C x^p in each norm, fitted to the studies of the example scenes. A choice, such as the
-column's scheme, has an error of its own for each of its values. Errors of different knobs add up as
-squares.
+Each setting of the accuracy study has a dimensionless resolution x, which scenes have in common,
+and an error C x^p in each norm, fitted to the studies of the example scenes. A choice, such as the
+column's scheme, has an error of its own for each of its values. Errors of different settings add up
+as squares.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from floeflow.analysis.studies.knobs import knobs
 from floeflow.analysis.studies.measures import KEPT
+from floeflow.analysis.studies.numerical_settings import numerical_settings
 
 if TYPE_CHECKING:
     from floeflow.analysis.estimate.conditions import Conditions
@@ -33,17 +33,23 @@ class ErrorModel:
     Parameters
     ----------
     laws : mapping
-        Knob, norm: factor and order of the error.
+        Setting, norm: factor and order of the error.
     choices : mapping
-        Knob, value, norm: error; values that are not there are the best and have none.
+        Setting, value, norm: error; values that are not there are the best and have none.
     """
 
     laws: Mapping[str, Mapping[str, tuple[float, float]]]
     choices: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
 
-    def knows(self, knob: str) -> bool:
-        """Whether it says anything of a knob."""
-        return knob in self.laws or knob in self.choices
+    def knows(self, setting: str) -> bool:
+        """Whether it says anything of a setting.
+
+        Parameters
+        ----------
+        setting : str
+            Name of a numerical setting.
+        """
+        return setting in self.laws or setting in self.choices
 
 
 def error_model() -> ErrorModel:
@@ -53,7 +59,7 @@ def error_model() -> ErrorModel:
 
 
 def resolutions(scene: Scene, c: Conditions) -> dict[str, float]:
-    """Dimensionless resolution of each knob that acts in a scene; small is fine.
+    """Dimensionless resolution of each setting that acts in a scene; small is fine.
 
     step_share: of the critical step. softness: strain of the pack, pushed by the wind over its
     width. element_size: over the width of the ice. window: over the run. forcing_grid: change of
@@ -89,12 +95,20 @@ def resolutions(scene: Scene, c: Conditions) -> dict[str, float]:
 
 
 def choices(scene: Scene) -> dict[str, str]:
-    """Values of the knobs that are choices between ways."""
-    return {knob.name: knob.told(1.0) for knob in knobs(scene) if knob.ways}
+    """Values of the settings that are choices between ways.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
+    return {
+        setting.name: setting.told(1.0) for setting in numerical_settings(scene) if setting.ways
+    }
 
 
-def knob_errors(scene: Scene, c: Conditions, model: ErrorModel) -> dict[str, dict[str, float]]:
-    """Predicted relative error of each knob in each norm.
+def setting_errors(scene: Scene, c: Conditions, model: ErrorModel) -> dict[str, dict[str, float]]:
+    """Predicted relative error of each setting in each norm.
 
     Parameters
     ----------
@@ -111,20 +125,20 @@ def knob_errors(scene: Scene, c: Conditions, model: ErrorModel) -> dict[str, dic
         1, by setting and norm.
     """
     found = {}
-    for knob, x in resolutions(scene, c).items():
-        laws = model.laws.get(knob, {})
-        found[knob] = {norm: factor * x**order for norm, (factor, order) in laws.items()}
-    for knob, value in choices(scene).items():
-        found[knob] = dict(model.choices.get(knob, {}).get(value, {}))
+    for setting, x in resolutions(scene, c).items():
+        laws = model.laws.get(setting, {})
+        found[setting] = {norm: factor * x**order for norm, (factor, order) in laws.items()}
+    for setting, value in choices(scene).items():
+        found[setting] = dict(model.choices.get(setting, {}).get(value, {}))
     return found
 
 
 def total_error(
     errors: Mapping[str, Mapping[str, float]], norms: Iterable[str] = KEPT, but: Iterable[str] = ()
 ) -> float:
-    """Largest over the norms of the root of the sum of squares over the knobs.
+    """Largest over the norms of the root of the sum of squares over the settings.
 
-    `but` names knobs that are left out.
+    `but` names settings that are left out.
 
     Parameters
     ----------
@@ -140,7 +154,7 @@ def total_error(
     float
         1; 0 without errors.
     """
-    kept = [found for knob, found in errors.items() if knob not in tuple(but)]
+    kept = [found for setting, found in errors.items() if setting not in tuple(but)]
     return max(
         (math.sqrt(sum(found.get(norm, 0.0) ** 2 for found in kept)) for norm in norms), default=0.0
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Settings for an error or a budget: all combinations of the knobs' levels, by the two models."""
+"""Settings for an error or a budget: all combinations of their levels, by the two models."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from typing import Any
 
 from floeflow.analysis.estimate.conditions import Conditions
 from floeflow.analysis.estimate.cost import Coefficients, run_seconds
-from floeflow.analysis.plan.precision import ErrorModel, knob_errors, total_error
-from floeflow.analysis.studies.knobs import Knob, knobs
+from floeflow.analysis.plan.precision import ErrorModel, setting_errors, total_error
+from floeflow.analysis.studies.numerical_settings import Setting, numerical_settings
 from floeflow.core.errors import FloeError
 from floeflow.scene import Scene
 
-# Combinations looked at; coarse and fine ends of the knobs go first where there are more.
+# Combinations looked at; coarse and fine ends of the settings go first where there are more.
 MOST = 4_000
 
 
@@ -34,7 +34,7 @@ class Proposal:
     error : float
         Predicted error relative to what happens in the run, largest of the kept norms.
     parts : dict
-        Predicted error by knob, in its worst norm.
+        Predicted error by setting, in its worst norm.
     """
 
     changes: dict[str, Any]
@@ -45,6 +45,11 @@ class Proposal:
 
 def parse_budget(text: str) -> float:
     """Seconds of a time such as ``2h``, ``90m``, ``45s`` or ``1.5d``.
+
+    Parameters
+    ----------
+    text : str
+        Number and unit: s, m, h or d.
 
     Raises
     ------
@@ -81,7 +86,7 @@ def adjusted(c: Conditions, scene: Scene) -> Conditions:
 def judge(
     scene: Scene, c: Conditions, ranks: int, fit: Coefficients, model: ErrorModel
 ) -> tuple[float, dict[str, dict[str, float]]]:
-    """Predicted wall time of a scene, and errors by knob and norm.
+    """Predicted wall time of a scene, and errors by setting and norm.
 
     Parameters
     ----------
@@ -102,15 +107,15 @@ def judge(
         s; relative errors.
     """
     own = adjusted(c, scene)
-    return run_seconds(own, scene, scene.effects, ranks, fit), knob_errors(scene, own, model)
+    return run_seconds(own, scene, scene.effects, ranks, fit), setting_errors(scene, own, model)
 
 
 def proposals(
     scene: Scene, c: Conditions, ranks: int, fit: Coefficients, model: ErrorModel
 ) -> list[Proposal]:
-    """All combinations of the knobs' levels, the scene itself first.
+    """All combinations of the settings' levels, the scene itself first.
 
-    Each knob's share of work and error is taken from the models with this knob alone changed:
+    Each setting's share of work and error is taken from the models with this setting alone changed:
     errors add as squares, the time is asked of the cost model for each combination.
 
     Parameters
@@ -131,31 +136,31 @@ def proposals(
     list of Proposal
         With predicted time (s) and error (1).
     """
-    turned = [knob for knob in knobs(scene) if model.knows(knob.name)]
-    choices = [_levels(knob) for knob in turned]
+    varied = [setting for setting in numerical_settings(scene) if model.knows(setting.name)]
+    choices = [_levels(setting) for setting in varied]
     while math.prod(len(levels) for levels in choices) > MOST:
         longest = max(choices, key=len)
         longest.pop()
     found = []
     for levels in product(*choices):
         changes: dict[str, Any] = {}
-        for knob, level in zip(turned, levels, strict=True):
+        for setting, level in zip(varied, levels, strict=True):
             if level != 1.0:
-                changes |= knob.changes(level)
+                changes |= setting.changes(level)
         trial = _fast(scene, changes)
         seconds, errors = judge(trial, c, ranks, fit, model)
-        parts = {knob: max(e.values(), default=0.0) for knob, e in errors.items()}
+        parts = {setting: max(e.values(), default=0.0) for setting, e in errors.items()}
         found.append(Proposal(changes, seconds, total_error(errors), parts))
     return sorted(found, key=lambda p: bool(p.changes))
 
 
-def _levels(knob: Knob) -> list[float]:
+def _levels(setting: Setting) -> list[float]:
     """Levels, the scene's own first, then those nearest to it."""
-    return sorted(knob.levels, key=lambda level: abs(math.log(level)))
+    return sorted(setting.levels, key=lambda level: abs(math.log(level)))
 
 
 def _fast(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """The scene with keys set anew, not validated: the knobs' values are valid by themselves."""
+    """The scene with keys set anew, not validated: their values are valid by themselves."""
     for path, value in changes.items():
         block, _, key = path.partition(".")
         part = getattr(scene, block).model_copy(update={key: value})

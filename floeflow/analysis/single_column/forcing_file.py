@@ -72,6 +72,11 @@ class PointForcing:
     def beginning(self, moment: datetime) -> PointForcing:
         """The same forcing for a run that begins at a moment.
 
+        Parameters
+        ----------
+        moment : datetime
+            In UTC.
+
         Raises
         ------
         FloeError

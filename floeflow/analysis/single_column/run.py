@@ -115,6 +115,11 @@ def arguments() -> argparse.ArgumentParser:
 def check(given: argparse.Namespace) -> None:
     """Refuse numbers that make no column.
 
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Options of the command line.
+
     Raises
     ------
     FloeError
@@ -145,7 +150,13 @@ def check(given: argparse.Namespace) -> None:
 
 
 def settings_of(given: argparse.Namespace) -> Settings:
-    """Settings of the column that the command line asks for."""
+    """Settings of the column that the command line asks for.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Options of the command line.
+    """
     processes = tuple(name for name in PROCESSES if name not in given.without)
     return Settings(
         scheme=given.scheme,
@@ -164,6 +175,11 @@ def settings_of(given: argparse.Namespace) -> Settings:
 
 def physics_of(given: argparse.Namespace) -> ColumnPhysics:
     """Constants of the command line, checked as those of a scene with the same column.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Options of the command line.
 
     Raises
     ------
@@ -216,6 +232,11 @@ def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
 def start_of(text: str) -> datetime:
     """Time of `--start`, in UTC.
 
+    Parameters
+    ----------
+    text : str
+        ISO 8601; UTC where it names no zone.
+
     Raises
     ------
     FloeError
@@ -230,6 +251,11 @@ def start_of(text: str) -> datetime:
 
 def run(given: argparse.Namespace) -> str:
     """Run what the command line asks for; what to tell of it.
+
+    Parameters
+    ----------
+    given : argparse.Namespace
+        Options of the command line.
 
     Raises
     ------
@@ -272,5 +298,16 @@ def run(given: argparse.Namespace) -> str:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Command line; a fault is one sentence."""
+    """Command line; a fault is one sentence.
+
+    Parameters
+    ----------
+    words : sequence of str or None, optional
+        Of the command line; None for those of the process.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
     return answer(partial(run, arguments().parse_args(words)))

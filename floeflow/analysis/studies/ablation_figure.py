@@ -20,6 +20,11 @@ def ablation_figure(study: Ablation) -> Figure:
     Left: influence (logarithmic), measured as filled and estimated as open marks, joined by a line;
     shaded is what chaos alone makes. Right: share of the work (CPU time of element model and
     column) saved by leaving the effect out.
+
+    Parameters
+    ----------
+    study : Ablation
+        What was measured.
     """
     rows = sorted(study.rows, key=lambda row: row.share if np.isfinite(row.share) else np.inf)
     places = np.arange(len(rows))

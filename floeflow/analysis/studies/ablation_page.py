@@ -19,7 +19,13 @@ HEAD = (
 
 
 def effect_table(study: Ablation) -> Table:
-    """The effects, the most influential first."""
+    """The effects, the most influential first.
+
+    Parameters
+    ----------
+    study : Ablation
+        What was measured.
+    """
     rows = sorted(study.rows, key=lambda row: -row.share)
     cells = [
         (

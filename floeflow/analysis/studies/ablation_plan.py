@@ -45,7 +45,13 @@ def ablation_variants(scene: Scene) -> list[Variant]:
 
 
 def lean_effects(scene: Scene) -> tuple[str, ...]:
-    """Those of the scene's effects that the estimate calls needed, what they need, and output."""
+    """Those of the scene's effects that the estimate calls needed, what they need, and output.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     from floeflow.analysis.estimate.choose import recommended, scene_estimates
 
     rows = [row for row in scene_estimates(scene) if row.name in scene.effects]

@@ -103,7 +103,18 @@ class Ablation:
 
 
 def share_of(record: Record) -> float:
-    """Influence: the largest of the changes relative to what happens in the base run."""
+    """Influence: the largest of the changes relative to what happens in the base run.
+
+    Parameters
+    ----------
+    record : Record
+        Of a run of the study.
+
+    Returns
+    -------
+    float
+        1.
+    """
     results = record["results"]
     if not results:
         return float("inf")

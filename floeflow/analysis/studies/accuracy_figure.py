@@ -27,7 +27,7 @@ from floeflow.report.figures.style import (
     new_figure,
 )
 
-# Colour, mark and dash differ together, so that print and colour-blind eyes tell knobs apart.
+# Colour, mark and dash differ together, so that print and colour-blind eyes tell settings apart.
 STYLES = (
     (BLUE, "o", "-"),
     (VERMILION, "s", "--"),
@@ -47,7 +47,7 @@ STYLES = (
 )
 # How the scene's own setting is marked.
 RING: dict[str, Any] = {"markersize": 9, "markeredgecolor": INK, "markeredgewidth": 1.2}
-# Runs that vary all knobs are no series.
+# Runs that vary all settings are no series.
 ALL = (INK, "*", "none")
 # Errors below this are round-off.
 LEAST = 1.0e-7
@@ -73,12 +73,13 @@ def is_felt(study: Accuracy, norm: str) -> bool:
 
 
 def accuracy_figure(study: Accuracy, norm: str) -> Figure:
-    """Relative error over work, both logarithmic, one line for each knob.
+    """Relative error over work, both logarithmic, one line for each setting.
 
-    Lines show the error that a knob alone makes, the marks of "all knobs" and the thick grey line,
-    the Pareto front of all runs, that of all knobs. Ringed marks are the default, crosses at the
-    top runs that failed; below the hatched line is what chaos alone makes. Not drawn are the
-    reference and what has no error: knobs that the norm does not feel, runs equal to their limit.
+    Lines show the error that a setting alone makes, the marks of "all settings" and the thick grey
+    line, the Pareto front of all runs, that of all settings. Ringed marks are the default, crosses
+    at the top runs that failed; below the hatched line is what chaos alone makes. Not drawn are the
+    reference and what has no error: settings that the norm does not feel, runs equal to their
+    limit.
 
     Parameters
     ----------
@@ -95,9 +96,11 @@ def accuracy_figure(study: Accuracy, norm: str) -> Figure:
     with look():
         figure = new_figure(7.6, 4.6)
         axes = figure.add_subplot()
-        names = [name for name in dict.fromkeys(p.knob for p in study.points) if name != TOGETHER]
+        names = [
+            name for name in dict.fromkeys(p.setting for p in study.points) if name != TOGETHER
+        ]
         for name, style in [*zip(names, cycle(STYLES), strict=False), (TOGETHER, ALL)]:
-            _knob(axes, [p for p in study.points if p.knob == name], norm, name, style)
+            _setting(axes, [p for p in study.points if p.setting == name], norm, name, style)
         ring = {"markerfacecolor": "none", **RING}
         axes.plot([], [], "o", linestyle="none", label="default (ringed)", **ring)
         front = [p for p in pareto(study.points, norm) if p.totals[norm] >= LEAST]
@@ -141,7 +144,7 @@ def accuracy_figure(study: Accuracy, norm: str) -> Figure:
     return figure
 
 
-def _knob(
+def _setting(
     axes: Axes, points: list[Point], norm: str, name: str, style: tuple[str, str, object]
 ) -> None:
     good = [

@@ -16,9 +16,9 @@ import xarray as xr
 
 from floeflow.analysis.studies.accuracy_plan import KEPT, TOGETHER
 from floeflow.analysis.studies.compare import RunEnds, read_ends, work
-from floeflow.analysis.studies.knobs import Knob, knobs
 from floeflow.analysis.studies.measures import NORMS
 from floeflow.analysis.studies.norms import errors, on_grid, relative
+from floeflow.analysis.studies.numerical_settings import Setting, numerical_settings
 from floeflow.analysis.studies.orders import with_tail
 from floeflow.analysis.studies.variants import BASE
 from floeflow.scene import Scene
@@ -29,30 +29,30 @@ REFERENCE = "all-finest"
 
 @dataclass(frozen=True)
 class Point:
-    """A run in one knob's series.
+    """A run in one setting's series.
 
     Parameters
     ----------
     run : str
         Its variant.
-    knob : str
+    setting : str
         What was varied; ``together`` for the runs that vary all, ``repeat`` for nudged ones.
     level : float
-        Of the knob; NaN for several.
+        Of the setting; NaN for several.
     work, cpu, element_steps : float
         Relative to the scene's default run: CPU time of element model and column, all CPU time,
         element-steps.
     stable : bool
         Whether it ran to its end with finite results.
     errors : mapping
-        Relative error by norm that the knob alone makes; empty where unstable.
+        Relative error by norm that the setting alone makes; empty where unstable.
     totals : mapping
-        Relative error by norm of all knobs: against the finest run of all. With another packing
-        the knob's own error and the default's total one, added as squares.
+        Relative error by norm of all settings: against the finest run of all. With another packing
+        the setting's own error and the default's total one, added as squares.
     """
 
     run: str
-    knob: str
+    setting: str
     level: float
     work: float
     cpu: float
@@ -64,9 +64,9 @@ class Point:
 
 @dataclass(frozen=True)
 class Convergence:
-    """What a knob's series says in one norm."""
+    """What a setting's series says in one norm."""
 
-    knob: str
+    setting: str
     norm: str
     expected: float | None
     observed: float
@@ -92,7 +92,13 @@ class Runs:
         self._read: dict[str, tuple[RunEnds, tuple[xr.Dataset, xr.Dataset]]] = {}
 
     def ends(self, run: str) -> tuple[RunEnds, tuple[xr.Dataset, xr.Dataset]]:
-        """States of a run and its fields on the base scene's grid, brought there in its own way."""
+        """States of a run and its fields on the base scene's grid, brought there in its own way.
+
+        Parameters
+        ----------
+        run : str
+            Name of the run.
+        """
         if run not in self._read:
             ends = read_ends(*map(Path, self.records[run]["ends"]))
             self._read[run] = ends, on_grid(self._gridded(run), ends, self.mask)
@@ -122,7 +128,13 @@ class Runs:
         return relative(*errors(one, two, (first, second)))
 
     def stable(self, run: str) -> bool:
-        """Whether a run ended well."""
+        """Whether a run ended well.
+
+        Parameters
+        ----------
+        run : str
+            Name of the run.
+        """
         return run in self.records and not self.records[run]["fault"]
 
 
@@ -150,8 +162,8 @@ def analyse(scene: Scene, records: Sequence[Record], mask: xr.Dataset) -> Accura
     points: list[Point] = []
     orders: list[Convergence] = []
     reference = REFERENCE if runs.stable(REFERENCE) else BASE
-    for knob in knobs(scene):
-        found, said = _series(knob, runs, usual)
+    for setting in numerical_settings(scene):
+        found, said = _series(setting, runs, usual)
         points += [replace(p, totals=_totals(p, runs, reference)) for p in found]
         orders += said
     for name, record in by_name.items():
@@ -170,21 +182,21 @@ def analyse(scene: Scene, records: Sequence[Record], mask: xr.Dataset) -> Accura
 
 
 def _totals(point: Point, runs: Runs, reference: str) -> dict[str, float]:
-    """Errors of a knob's run against the finest of all."""
+    """Errors of a setting's run against the finest of all."""
     if not point.stable:
         return {}
-    if point.knob not in KEPT or point.level == 1.0:
+    if point.setting not in KEPT or point.level == 1.0:
         return runs.errors(reference, point.run)
     default = runs.errors(reference, BASE)
     return {n: float(np.hypot(e, default.get(n, 0.0))) for n, e in point.errors.items()}
 
 
-def run_of(knob: Knob, place: int) -> str:
-    """Variant of a knob's level.
+def run_of(setting: Setting, place: int) -> str:
+    """Variant of a setting's level.
 
     Parameters
     ----------
-    knob : Knob
+    setting : Setting
         Numerical setting.
     place : int
         Of the level in its levels.
@@ -194,15 +206,15 @@ def run_of(knob: Knob, place: int) -> str:
     str
         Name of the run.
     """
-    return BASE if knob.levels[place] == 1.0 else f"{knob.name}-{place}"
+    return BASE if setting.levels[place] == 1.0 else f"{setting.name}-{place}"
 
 
 def _series(
-    knob: Knob, runs: Runs, usual: Mapping[str, float]
+    setting: Setting, runs: Runs, usual: Mapping[str, float]
 ) -> tuple[list[Point], list[Convergence]]:
-    """Points of one knob, from fine to coarse, and its orders in all norms."""
-    names = [run_of(knob, place) for place in range(len(knob.levels))]
-    levels = dict(zip(names, knob.levels, strict=True))
+    """Points of one setting, from fine to coarse, and its orders in all norms."""
+    names = [run_of(setting, place) for place in range(len(setting.levels))]
+    levels = dict(zip(names, setting.levels, strict=True))
     well = [name for name in names if runs.stable(name)]
     against = {name: runs.errors(well[0], name) for name in well}
     steps = [runs.errors(b, a) for a, b in zip(well, well[1:], strict=False)]
@@ -213,15 +225,15 @@ def _series(
             continue
         series = [against[name][norm] for name in well]
         order, converges = math.nan, False
-        if not knob.ways:  # nothing lies beyond the best way
+        if not setting.ways:  # nothing lies beyond the best way
             series, order, converges = with_tail(
                 [levels[name] for name in well], series, [step[norm] for step in steps]
             )
-        orders.append(Convergence(knob.name, norm, knob.order, order, converges))
+        orders.append(Convergence(setting.name, norm, setting.order, order, converges))
         for name, error in zip(well, series, strict=True):
             total[name][norm] = error
     points = [
-        _point(runs.records[name], knob.name, levels[name], usual, total[name])
+        _point(runs.records[name], setting.name, levels[name], usual, total[name])
         for name in names
         if name in runs.records
     ]
@@ -230,7 +242,7 @@ def _series(
 
 def _point(
     record: Record,
-    knob: str,
+    setting: str,
     level: float,
     usual: Mapping[str, float],
     lies: Mapping[str, float],
@@ -238,7 +250,7 @@ def _point(
 ) -> Point:
     return Point(
         str(record["variant"]),
-        knob,
+        setting,
         level,
         work(record) / usual["work"],
         record["cpu_seconds"] / usual["cpu"],
@@ -293,7 +305,7 @@ def as_dataset(study: Accuracy, scene: Scene) -> xr.Dataset:
     names = list(NORMS)
     table = [[p.errors.get(name, np.nan) for name in names] for p in points]
     totals = [[p.totals.get(name, np.nan) for name in names] for p in points]
-    text = {name: np.array([getattr(p, name) for p in points]) for name in ("run", "knob")}
+    text = {name: np.array([getattr(p, name) for p in points]) for name in ("run", "setting")}
     numbers = {
         name: ("point", np.array([getattr(p, name) for p in points], dtype=float), {"units": "1"})
         for name in ("level", "work", "cpu", "element_steps")

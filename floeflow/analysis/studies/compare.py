@@ -58,6 +58,11 @@ def paths_of(run: RunEnds) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Starts (n, 2), displacements (n, 2), areas (n,) of the elements that are there all the time.
 
     Metres and square metres, in the order of the ids.
+
+    Parameters
+    ----------
+    run : RunEnds
+        First and last state.
     """
     moved, step = displacement(run.first, run.last)
     end = np.stack([moved["x"].values, moved["y"].values], axis=1)
@@ -89,13 +94,25 @@ def _interpolated(there: np.ndarray, moved: np.ndarray, start: np.ndarray) -> np
 
 
 def mean_drift(run: RunEnds) -> float:
-    """Mean distance between start and end, m."""
+    """Mean distance between start and end, m.
+
+    Parameters
+    ----------
+    run : RunEnds
+        First and last state.
+    """
     _, step, area = paths_of(run)
     return mean(np.hypot(step[:, 0], step[:, 1]), area)
 
 
 def totals(state: xr.Dataset) -> dict[str, float]:
-    """Ice volume per area of sea (m) and share of the sea under ice of a state."""
+    """Ice volume per area of sea (m) and share of the sea under ice of a state.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        With ice by element and category.
+    """
     ocean = float(state.attrs["ocean_area"])
     names = {"volume": "ice_volume", "area": "ice_fraction"}
     return {
@@ -105,7 +122,13 @@ def totals(state: xr.Dataset) -> dict[str, float]:
 
 
 def broken(run: RunEnds) -> np.ndarray:
-    """Pairs of ids whose bond broke in the run, (n, 2); none without bonds."""
+    """Pairs of ids whose bond broke in the run, (n, 2); none without bonds.
+
+    Parameters
+    ----------
+    run : RunEnds
+        First and last state.
+    """
     if "bond_id_lo" not in run.first:
         return np.zeros((0, 2), dtype=np.int64)
     return lost_pairs(intact(run.first), intact(run.last))
@@ -134,6 +157,11 @@ def deformation(run: RunEnds) -> float:
     """Mean total deformation over neighbours, 1: |relative displacement| over distance.
 
     Over the six nearest neighbours of each element at the start.
+
+    Parameters
+    ----------
+    run : RunEnds
+        First and last state.
     """
     start, step, area = paths_of(run)
     if len(start) < 8:
@@ -174,12 +202,24 @@ def _relative(value: float, reference: float) -> float:
 
 
 def work(record: Mapping[str, Any]) -> float:
-    """CPU seconds of element model and column of a run's record."""
+    """CPU seconds of element model and column of a run's record.
+
+    Parameters
+    ----------
+    record : mapping
+        Seconds of the run's parts.
+    """
     return sum(float(record["cpu"].get(part, 0.0)) for part in WORK)
 
 
 def scales(run: RunEnds) -> Mapping[str, float]:
-    """What happens in a run at all, as the estimates have it: drift (m), volume (m), area (1)."""
+    """What happens in a run at all, as the estimates have it: drift (m), volume (m), area (1).
+
+    Parameters
+    ----------
+    run : RunEnds
+        First and last state.
+    """
     start, end = totals(run.first), totals(run.last)
     found = {name: max(abs(end[name] - start[name]), ICE_FLOOR * start[name]) for name in start}
     return {"drift": max(mean_drift(run), DRIFT_FLOOR), **found}

@@ -125,7 +125,13 @@ def accuracy_section(scene: Scene, study: Accuracy) -> str:
 
 
 def summary(studies: Sequence[tuple[Scene, Ablation]]) -> Table:
-    """One line for each scene: ranks of the estimates, savings, chaos, work."""
+    """One line for each scene: ranks of the estimates, savings, chaos, work.
+
+    Parameters
+    ----------
+    studies : sequence of tuple of Scene and Ablation
+        Scenes with what was measured.
+    """
     head: tuple[str, ...] = ("scene", "rank correlation", "lean run saves (%)")
     head += ("cost model said (%)", "lean run moves results by (%)", "chaos (%)")
     head += ("work of the scene (s)",)
@@ -168,7 +174,13 @@ def ensemble_section(scene: Scene, study: Ensemble) -> str:
 
 
 def write_ensembles(results: Path) -> Path | None:
-    """Write docs/ensembles.md and its figures; None where no scene has a finished ensemble."""
+    """Write docs/ensembles.md and its figures; None where no scene has a finished ensemble.
+
+    Parameters
+    ----------
+    results : Path
+        Folder of results of all scenes.
+    """
     sections = []
     for name in ENSEMBLES:
         scene = resolve_scene(PROJECT / f"config/scenes/{name}.yaml")
@@ -190,6 +202,11 @@ def write_ensembles(results: Path) -> Path | None:
 def write_documents(results: Path = Path("results")) -> list[Path]:
     """Write the pages of the studies that are there, and their figures.
 
+    Parameters
+    ----------
+    results : Path, optional
+        Folder of results of all scenes.
+
     Raises
     ------
     FloeError
@@ -203,7 +220,13 @@ def write_documents(results: Path = Path("results")) -> list[Path]:
 
 
 def write_document(results: Path) -> Path | None:
-    """Write docs/studies.md and copy its figures; None where no scene has a finished study."""
+    """Write docs/studies.md and copy its figures; None where no scene has a finished study.
+
+    Parameters
+    ----------
+    results : Path
+        Folder of results of all scenes.
+    """
     found: list[tuple[Scene, Ablation]] = []
     sections = []
     for name in EXAMPLES:

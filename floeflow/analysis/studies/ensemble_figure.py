@@ -30,7 +30,13 @@ HOLLOW: dict[str, Any] = {**RING, "markerfacecolor": "none"}
 
 
 def ensemble_figure(study: Ensemble) -> Figure:
-    """Largest change over cost, both logarithmic."""
+    """Largest change over cost, both logarithmic.
+
+    Parameters
+    ----------
+    study : Ensemble
+        What was measured.
+    """
     rows = [row for row in study.rows if row.changes and math.isfinite(row.cost.mean)]
     groups = [g for g in dict.fromkeys(row.group for row in rows) if g not in (AGAIN, TOGETHER)]
     with look():

@@ -28,17 +28,35 @@ LEAD = (
 
 
 def per_cent(found: Interval) -> str:
-    """A relative value and half its interval in per cent."""
+    """A relative value and half its interval in per cent.
+
+    Parameters
+    ----------
+    found : Interval
+        Relative value, 0.05 for 5 %.
+    """
     return measured(100.0 * found.mean, 100.0 * found.half)
 
 
 def ratio(found: Interval) -> str:
-    """A ratio with half its interval."""
+    """A ratio with half its interval.
+
+    Parameters
+    ----------
+    found : Interval
+        Of two costs (1).
+    """
     return measured(found.mean, max(found.half, 1e-3))
 
 
 def sentences(study: Ensemble) -> list[str]:
-    """What the study says first."""
+    """What the study says first.
+
+    Parameters
+    ----------
+    study : Ensemble
+        What was measured.
+    """
     said = [
         f"A run of the scene takes {study.seconds.mean:.3g} ± {study.seconds.half:.1g} s of CPU "
         f"time in its windows ({study.members} members).",
@@ -81,7 +99,13 @@ def _length(metres: float) -> str:
 
 
 def setting_table(study: Ensemble) -> Table:
-    """Settings by cost: largest change, and what is shown for 1, 5 and 20 %."""
+    """Settings by cost: largest change, and what is shown for 1, 5 and 20 %.
+
+    Parameters
+    ----------
+    study : Ensemble
+        What was measured.
+    """
     rows: list[Sequence[object]] = []
     for row in study.rows:
         if row.fault:
@@ -110,7 +134,13 @@ def _name(row: Row, study: Ensemble) -> str:
 
 
 def change_table(study: Ensemble) -> Table:
-    """Changes of all statistics."""
+    """Changes of all statistics.
+
+    Parameters
+    ----------
+    study : Ensemble
+        What was measured.
+    """
     names = [name for name in STATISTICS if any(name in row.changes for row in study.rows)]
     rows = [
         [row.label, *(per_cent(row.changes[n]) if n in row.changes else "–" for n in names)]

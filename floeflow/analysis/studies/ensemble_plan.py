@@ -8,7 +8,7 @@ compared by the statistics of members, which differ in the stress of the wind.
 from __future__ import annotations
 
 from floeflow.analysis.studies.accuracy_plan import KEPT, TOGETHER, moved_level
-from floeflow.analysis.studies.knobs import Changes, Knob, knobs
+from floeflow.analysis.studies.numerical_settings import Changes, Setting, numerical_settings
 from floeflow.analysis.studies.variants import BASE, Variant
 from floeflow.scene import Scene
 
@@ -29,34 +29,52 @@ MOVES = {"fine": -1, "coarse": 1}
 UNSEEN = ("grid_transfer",)
 
 
-def settings(scene: Scene) -> list[Knob]:
-    """Settings that act on the statistics in a scene."""
-    return [knob for knob in knobs(scene) if knob.name not in UNSEEN]
+def seen_settings(scene: Scene) -> list[Setting]:
+    """Settings that act on the statistics in a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
+    return [setting for setting in numerical_settings(scene) if setting.name not in UNSEEN]
 
 
-def tried_levels(knob: Knob) -> list[float]:
-    """Levels that are run: the next finer, the next coarser and the coarsest."""
-    levels = [moved_level(knob, -1), moved_level(knob, 1), knob.levels[-1]]
+def tried_levels(setting: Setting) -> list[float]:
+    """Levels that are run: the next finer, the next coarser and the coarsest.
+
+    Parameters
+    ----------
+    setting : Setting
+        A numerical setting.
+    """
+    levels = [moved_level(setting, -1), moved_level(setting, 1), setting.levels[-1]]
     return [level for level in dict.fromkeys(levels) if level != 1.0]
 
 
 def ensemble_variants(scene: Scene) -> list[Variant]:
-    """Runs of the study: the scene, the scene again with other members, and its settings."""
+    """Runs of the study: the scene, the scene again with other members, and its settings.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     runs = [
         Variant(BASE, label="as the scene has it"),
         Variant(AGAIN, {}, AGAIN, "as the scene has it, other members"),
     ]
-    for knob in settings(scene):
-        for level in tried_levels(knob):
-            name = f"{knob.name}-{knob.levels.index(level)}"
-            label = f"{knob.text}: {knob.told(level)}"
-            runs.append(Variant(name, knob.changes(level), knob.name, label))
+    for setting in seen_settings(scene):
+        for level in tried_levels(setting):
+            name = f"{setting.name}-{setting.levels.index(level)}"
+            label = f"{setting.text}: {setting.told(level)}"
+            runs.append(Variant(name, setting.changes(level), setting.name, label))
     for name, move in MOVES.items():
         changes: Changes = {}
-        for knob in settings(scene):
+        for setting in seen_settings(scene):
             # Finer elements are left out: they would cost more than all the others.
-            if knob.name not in KEPT or move > 0:
-                changes |= knob.changes(moved_level(knob, move))
+            if setting.name not in KEPT or move > 0:
+                changes |= setting.changes(moved_level(setting, move))
         runs.append(Variant(f"all-{name}", changes, TOGETHER, f"all settings one level {name}r"))
     return runs
 
@@ -66,6 +84,16 @@ def nudges(variant: str) -> list[float]:
 
     They lie on both sides of 1 in the same places for every setting, so that what the nudge itself
     changes is the same on both sides of a comparison; `AGAIN` has places between.
+
+    Parameters
+    ----------
+    variant : str
+        Name of the run.
+
+    Returns
+    -------
+    list of float
+        1, one a member.
     """
     count = BASE_MEMBERS if variant in (BASE, AGAIN) else MEMBERS
     places = [(k + 1) // 2 * (-1) ** k for k in range(count)]  # 0, -1, 1, -2, ...

@@ -193,7 +193,13 @@ def clock_seconds(base: Chunk, folder: Path) -> float:
 
 
 def window_seconds(chunk: Chunk) -> float:
-    """CPU seconds that a chunk's windows took."""
+    """CPU seconds that a chunk's windows took.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        Windows that have ended.
+    """
     records = json.loads(chunk.path("cost", ".json").read_text())
     return float(sum(record[WINDOW_CPU] for record in records if WINDOW_CPU in record))
 
@@ -251,7 +257,13 @@ def _or_none(value: float) -> float | None:
 
 
 def read_member(chunk: Chunk) -> tuple[xr.Dataset, list[xr.Dataset], xr.Dataset]:
-    """State 0, snapshots of all windows and series of a finished chunk."""
+    """State 0, snapshots of all windows and series of a finished chunk.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        Windows that have ended.
+    """
     samples, scalars = read_series([chunk.path("series")], chunk.scene.effects)
     snapshots = list(read_snapshots([chunk.path("elements")]))
     return read_state(chunk.state), snapshots, xr.merge([samples, scalars])
@@ -259,6 +271,11 @@ def read_member(chunk: Chunk) -> tuple[xr.Dataset, list[xr.Dataset], xr.Dataset]
 
 def parting(chunk: Chunk) -> dict[str, Any]:
     """How fast runs part that differ by little.
+
+    Parameters
+    ----------
+    chunk : Chunk
+        Windows of the base run.
 
     Returns
     -------

@@ -41,7 +41,13 @@ class Boxes:
 
 
 def make_boxes(domain: Domain) -> Boxes:
-    """Square boxes that cover the domain."""
+    """Square boxes that cover the domain.
+
+    Parameters
+    ----------
+    domain : Domain
+        Rectangle of the scene (m).
+    """
     sides = domain.x_max - domain.x_min, domain.y_max - domain.y_min
     width = min(BOX, min(sides) / LEAST_BOXES)
     nx, ny = (max(1, int(np.ceil(side / width - 1e-9))) for side in sides)

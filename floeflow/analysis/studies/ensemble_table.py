@@ -89,7 +89,18 @@ class Row:
         return max((abs(found.mean) for found in self.changes.values()), default=math.inf)
 
     def verdict(self, share: float) -> str:
-        """What is shown of all statistics for a share."""
+        """What is shown of all statistics for a share.
+
+        Parameters
+        ----------
+        share : float
+            Change that is allowed, 0.05 for 5 %.
+
+        Returns
+        -------
+        str
+            within, beyond or not known.
+        """
         return together([verdict(found, share) for found in self.changes.values()])
 
     def _bound(self, name: str) -> float:
@@ -191,7 +202,13 @@ def _no_narrower(found: Interval) -> Interval:
 
 
 def log_costs(record: Record) -> Array:
-    """Logarithm of each member's CPU time over that of the clock beside it, (n,)."""
+    """Logarithm of each member's CPU time over that of the clock beside it, (n,).
+
+    Parameters
+    ----------
+    record : Record
+        Of a setting's members.
+    """
     ran = [member for member in record["members"] if not member["fault"]]
     return np.array([math.log(member["cpu_seconds"] / member["clock_seconds"]) for member in ran])
 

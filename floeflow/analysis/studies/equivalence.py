@@ -52,7 +52,13 @@ class Spread:
 
 
 def pool(samples: Sequence[Array]) -> Spread:
-    """Variance within samples (n,) about their means; of those with two values or more."""
+    """Variance within samples (n,) about their means; of those with two values or more.
+
+    Parameters
+    ----------
+    samples : sequence of ndarray
+        Values of a statistic, by setting, (n,) each.
+    """
     some = [sample for sample in samples if len(sample) > 1]
     freedom = sum(len(sample) - 1 for sample in some)
     squares = sum(float(((sample - sample.mean()) ** 2).sum()) for sample in some)
@@ -135,7 +141,13 @@ def verdict(found: Interval, share: float) -> str:
 
 
 def together(verdicts: Sequence[str]) -> str:
-    """Verdict on all statistics: within where all are, beyond where one is."""
+    """Verdict on all statistics: within where all are, beyond where one is.
+
+    Parameters
+    ----------
+    verdicts : sequence of str
+        One a statistic: within, beyond or not known.
+    """
     if BEYOND in verdicts:
         return BEYOND
     return WITHIN if all(each == WITHIN for each in verdicts) else UNKNOWN

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from floeflow.core.errors import FloeError, answer
 from floeflow.core.records import machine
-from floeflow.diagnostics.study_summaries import DIGEST, read_digest
+from floeflow.diagnostics.study_summaries import DIGEST, read_summary
 from floeflow.report.study_page import Table, as_markdown
 from floeflow.scene.docs import PROJECT
 
@@ -41,7 +41,7 @@ def write_document(
     """
     if not (results / DIGEST).is_file():
         raise FloeError(f"{results}: the hard cases were not run; 'make stability' does it")
-    digest = read_digest(results / DIGEST)
+    digest = read_summary(results / DIGEST)
     parts = [HEAD.format(machine=machine()), *(f"- {said}" for said in digest["cards"]), ""]
     for entry in digest["tables"]:
         table = Table(**entry)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The cheapest setting of all knobs that keeps an error, from a study's points.
+"""The cheapest combination of all settings that keeps an error, from a study's points.
 
-Errors of knobs add up as squares, their factors of work multiply: that is how single knobs predict
-runs that turn several. The runs that vary all knobs together show how well it holds.
+Errors of settings add up as squares, their factors of work multiply: that is how single settings
+predict runs that change several. The runs that vary all settings together show how well it holds.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from floeflow.analysis.studies.measures import KEPT
 
 
 @dataclass(frozen=True)
-class Setting:
-    """A level for each knob, with predicted error (largest of the kept norms) and work."""
+class Combination:
+    """A level for each setting, with predicted error (largest of the kept norms) and work."""
 
     levels: Mapping[str, float]
     error: float
@@ -65,39 +65,41 @@ def worst(point: Point, norms: Sequence[str] = KEPT) -> float:
     return max((point.errors.get(name, 0.0) for name in norms), default=0.0)
 
 
-def settings(points: Sequence[Point], knobs: Sequence[str]) -> list[Setting]:
-    """Combinations of the knobs' stable levels that no other beats in work and every kept norm.
+def combinations(points: Sequence[Point], settings: Sequence[str]) -> list[Combination]:
+    """Combinations of the settings' stable levels that no other beats in work and every kept norm.
 
-    Knob by knob, so that what is beaten already need not be combined with what comes.
+    Setting by setting, so that what is beaten already need not be combined with what comes.
 
     Parameters
     ----------
     points : sequence of Point
         Runs.
-    knobs : sequence of str
+    settings : sequence of str
         Numerical settings by name.
 
     Returns
     -------
-    list of Setting
+    list of Combination
         With relative work and error.
     """
     levels: list[dict[str, float]] = [{}]
-    # Squares of the errors and, last, the work; both grow with those of every further knob.
+    # Squares of the errors and, last, the work; both grow with those of every further setting.
     rank = np.array([[0.0] * len(KEPT) + [1.0]])
-    for knob in knobs:
-        series = [p for p in points if p.knob == knob and p.stable]
+    for setting in settings:
+        series = [p for p in points if p.setting == setting and p.stable]
         if not series:
             continue
         own = np.array([[p.errors.get(norm, 0.0) ** 2 for norm in KEPT] for p in series])
         squares = (rank[:, None, :-1] + own).reshape(-1, len(KEPT))
         work = (rank[:, None, -1] * np.array([p.work for p in series])).reshape(-1, 1)
         rank = np.hstack([squares, work])
-        levels = [{**before, knob: p.level} for before in levels for p in series]
+        levels = [{**before, setting: p.level} for before in levels for p in series]
         best = _unbeaten(rank)
         rank, levels = rank[best], [levels[k] for k in best]
     worst = np.sqrt(rank[:, :-1].max(axis=1))
-    return [Setting(*row) for row in zip(levels, worst.tolist(), rank[:, -1].tolist(), strict=True)]
+    return [
+        Combination(*row) for row in zip(levels, worst.tolist(), rank[:, -1].tolist(), strict=True)
+    ]
 
 
 def _unbeaten(rank: NDArray[np.float64]) -> list[int]:
@@ -109,43 +111,45 @@ def _unbeaten(rank: NDArray[np.float64]) -> list[int]:
     return kept
 
 
-def recommend(points: Sequence[Point], knobs: Sequence[str], error: float) -> Setting | None:
-    """Cheapest setting with at most this error; None where there is none.
+def recommend(points: Sequence[Point], settings: Sequence[str], error: float) -> Combination | None:
+    """Cheapest combination with at most this error; None where there is none.
 
     Parameters
     ----------
     points : sequence of Point
         Runs.
-    knobs : sequence of str
+    settings : sequence of str
         Numerical settings by name.
     error : float
         Relative error, 0.05 for 5 %.
 
     Returns
     -------
-    Setting or None
+    Combination or None
         None where there is none.
     """
-    good = [s for s in settings(points, knobs) if s.error <= error]
+    good = [s for s in combinations(points, settings) if s.error <= error]
     return min(good, key=lambda s: (s.work, s.error)) if good else None
 
 
-def most_accurate(points: Sequence[Point], knobs: Sequence[str], work: float) -> Setting | None:
-    """Most accurate setting of at most this work; None where there is none.
+def most_accurate(
+    points: Sequence[Point], settings: Sequence[str], work: float
+) -> Combination | None:
+    """Most accurate combination of at most this work; None where there is none.
 
     Parameters
     ----------
     points : sequence of Point
         Runs.
-    knobs : sequence of str
+    settings : sequence of str
         Numerical settings by name.
     work : float
         Relative to the scene's own.
 
     Returns
     -------
-    Setting or None
+    Combination or None
         None where there is none.
     """
-    good = [s for s in settings(points, knobs) if s.work <= work]
+    good = [s for s in combinations(points, settings) if s.work <= work]
     return min(good, key=lambda s: (s.error, s.work)) if good else None

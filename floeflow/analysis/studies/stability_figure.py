@@ -85,7 +85,13 @@ def _panel(
 
 
 def residual_figure(residuals: Mapping[str, float]) -> Figure:
-    """Energy not accounted for in each test that has a budget, on a logarithmic axis."""
+    """Energy not accounted for in each test that has a budget, on a logarithmic axis.
+
+    Parameters
+    ----------
+    residuals : mapping of float
+        Energy that is not accounted for, relative, by test.
+    """
     figure, axes = plt.subplots(figsize=(8.5, 1.2 + 0.24 * len(residuals)), layout="constrained")
     names = list(residuals)[::-1]
     values = [max(residuals[n], 1e-17) for n in names]

@@ -14,7 +14,13 @@ ENDS = ("passed", "skipped", "expected failure", "failed")
 
 
 def case_table(shown: list[Shown]) -> Table:
-    """Row for each test: case, what it shows, outcome, figures."""
+    """Row for each test: case, what it shows, outcome, figures.
+
+    Parameters
+    ----------
+    shown : list of Shown
+        Records of tests.
+    """
     rows = []
     for entry in shown:
         figures = {name: v for name, v in entry["figures"].items() if isinstance(v, int | float)}
@@ -28,7 +34,13 @@ def case_table(shown: list[Shown]) -> Table:
 
 
 def summary(shown: list[Shown]) -> Table:
-    """Row for each case: its tests, how they ended, the largest part of the energy missed."""
+    """Row for each case: its tests, how they ended, the largest part of the energy missed.
+
+    Parameters
+    ----------
+    shown : list of Shown
+        Records of tests.
+    """
     rows = []
     for module in sorted({entry["module"] for entry in shown}):
         own = [entry for entry in shown if entry["module"] == module]
@@ -39,7 +51,13 @@ def summary(shown: list[Shown]) -> Table:
 
 
 def sentences(shown: list[Shown]) -> list[str]:
-    """How many there are and how they ended."""
+    """How many there are and how they ended.
+
+    Parameters
+    ----------
+    shown : list of Shown
+        Records of tests.
+    """
     modules = {entry["module"] for entry in shown}
     ended: dict[str, int] = {}
     for entry in shown:
@@ -59,7 +77,18 @@ def sentences(shown: list[Shown]) -> list[str]:
 
 
 def residuals(shown: list[Shown]) -> dict[str, float]:
-    """Energy not accounted for, by case and test."""
+    """Energy not accounted for, by case and test.
+
+    Parameters
+    ----------
+    shown : list of Shown
+        Records of tests.
+
+    Returns
+    -------
+    dict
+        Residual of each test with an energy budget (1).
+    """
     return {
         f"{entry['module']}: {entry['test'].removeprefix('test_').replace('_', ' ')}": value
         for entry in shown

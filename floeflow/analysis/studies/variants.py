@@ -31,7 +31,7 @@ class Variant:
     changes : dict
         New values by dotted key, such as ``{"packing.elements": 400}``.
     group : str
-        What is varied: an effect or a knob.
+        What is varied: an effect or a setting.
     label : str
         How figures and tables call it.
     """
@@ -47,7 +47,13 @@ class Variant:
 
     @classmethod
     def from_text(cls, text: str) -> Variant:
-        """Read what `as_text` wrote."""
+        """Read what `as_text` wrote.
+
+        Parameters
+        ----------
+        text : str
+            JSON.
+        """
         return cls(**json.loads(text))
 
 

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """The slab mixed layer under an element: heat to ice, freezing potential, temperature.
 
 Hunke et al. (2015), sections on the ocean and on ice-ocean fluxes; Maykut and McPhee (1995) for the
@@ -9,11 +8,15 @@ bottom, Maykut and Perovich (1987) and Steele (1992) for the sides.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from floeflow.column.physics import TINY, jit
 from floeflow.column.thermodynamics.boundary_layer import sea_balance
 from floeflow.column.thermodynamics.mush import liquidus
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.thermodynamics.boundary_layer import Air
 
 
 class MixedLayer(NamedTuple):
@@ -36,7 +39,7 @@ class MixedLayer(NamedTuple):
 
 
 @jit
-def freezing_temperature(salinity, p):
+def freezing_temperature(salinity: float, p: Physics) -> float:
     """Freezing point of sea water (degC): the liquidus of brine for mush, else a straight line.
 
     Parameters
@@ -57,7 +60,9 @@ def freezing_temperature(salinity, p):
 
 
 @jit
-def heat_to_ice(sea, freezing, potential, friction, dt, p):
+def heat_to_ice(
+    sea: float, freezing: float, potential: float, friction: float, dt: float, p: Physics
+) -> tuple[float, ...]:
     """Heat into the ice's bottom (W/m2) and the share of the ice that melts from its sides.
 
     Theory, eqs. 20 and 21; neither is limited yet by the heat that there is.
@@ -86,7 +91,9 @@ def heat_to_ice(sea, freezing, potential, friction, dt, p):
 
 
 @jit
-def limit(bottom, side, stored, potential, dt):
+def limit(
+    bottom: float, side: float, stored: float, potential: float, dt: float
+) -> tuple[float, ...]:
     """Cut both so that they take no more than the melting potential (theory, eq. 22).
 
     ``stored`` is the energy of all ice and snow (J/m2, negative).
@@ -117,7 +124,9 @@ def limit(bottom, side, stored, potential, dt):
 
 
 @jit
-def mix(layer, open_water, light, air, heat, dt, p):
+def mix(
+    layer: MixedLayer, open_water: float, light: float, air: Air, heat: float, dt: float, p: Physics
+) -> tuple[float, ...]:
     """Advance the mixed layer; its temperature, the potential (W/m2) and terms of its budget.
 
     Theory, eqs. 25 and 26. Below freezing the layer is put back to its freezing point and the heat

@@ -35,7 +35,13 @@ class Sea:
 
 
 def heat_capacity(params: ColumnParams) -> float:
-    """Heat that warms the mixed layer by one kelvin (J/m2/K)."""
+    """Heat that warms the mixed layer by one kelvin (J/m2/K).
+
+    Parameters
+    ----------
+    params : ColumnParams
+        Depth (m), density (kg/m3) and heat capacity (J/kg/K) of the mixed layer.
+    """
     return OCEAN.heat_water * OCEAN.water_density * params.mixed_layer_depth
 
 

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Flushing: how fast the water of ponds sinks through mush.
 
 Turner, Hunke and Bitz (2013); numbers of equations are those of docs/theory/column_ponds.md.
@@ -7,9 +6,15 @@ Turner, Hunke and Bitz (2013); numbers of equations are those of docs/theory/col
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from floeflow.column.physics import TINY, jit
 from floeflow.column.thermodynamics.drainage import NO_FLOW, permeability
 from floeflow.column.thermodynamics.mush import brine_density, brine_salinity
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.thermodynamics.profile import Profile
 
 FRESH = 1000.0  # density of pond water (kg/m3)
 LARGEST_SHARE = 0.005  # of the brine of a layer that is washed out at most in `flush_time`
@@ -17,7 +22,16 @@ USUAL_LAYERS = 7  # for which that share was chosen
 
 
 @jit
-def flushing(w, first, ice, snow, depth, area, dt, p):
+def flushing(
+    w: Profile,
+    first: int,
+    ice: float,
+    snow: float,
+    depth: float,
+    area: float,
+    dt: float,
+    p: Physics,
+) -> float:
     """Downward Darcy speed of brine and pond water (m/s), not negative (eq. 6).
 
     Parameters

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Melt ponds on level ice: water, area, lids of ice, and what of them the sun sees.
 
 Hunke, Hebert and Lecomte (2013); numbers of equations are those of docs/theory/column_ponds.md. The
@@ -10,7 +9,9 @@ takes no heat along but in mush.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from floeflow.column.physics import TINY, jit
 from floeflow.column.records import (
@@ -26,6 +27,11 @@ from floeflow.column.records import (
     POND_LOST,
 )
 from floeflow.column.thermodynamics.enthalpy import ice_temperature
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.records import Column, Thickness
+    from floeflow.column.thermodynamics.profile import Profile
 
 FRESH = 1000.0  # density of pond water (kg/m3)
 SHALLOWEST = 0.005  # m, of ponds that the sun sees
@@ -78,7 +84,9 @@ class Pond(NamedTuple):
 
 
 @jit
-def pond_cover(level, snow, covered, fallen, p):
+def pond_cover(
+    level: np.ndarray, snow: float, covered: float, fallen: float, p: Physics
+) -> tuple[float, ...]:
     """What of the ponds the sun sees: share, depth (m), share of snow left, snow depth (m).
 
     Snow falls on lids and hides ponds, melting lids have used a share of the heat, and water
@@ -132,7 +140,7 @@ def pond_cover(level, snow, covered, fallen, p):
 
 
 @jit
-def flush(c, n, speed, dt, sums, p):
+def flush(c: Column, n: int, speed: float, dt: float, sums: np.ndarray, p: Physics) -> None:
     """Drain ponds into mush at a Darcy speed (m/s) and through its flaws (eqs. 6 and 7).
 
     Parameters
@@ -161,7 +169,16 @@ def flush(c, n, speed, dt, sums, p):
 
 
 @jit
-def evolve(c, n, w, thickness, forcing, dt, sums, p):
+def evolve(
+    c: Column,
+    n: int,
+    w: Profile,
+    thickness: Thickness,
+    forcing: PondForcing,
+    dt: float,
+    sums: np.ndarray,
+    p: Physics,
+) -> None:
     """Advance the ponds of category n by a step (eqs. 1 and 3 to 5).
 
     Parameters
@@ -237,7 +254,16 @@ def evolve(c, n, w, thickness, forcing, dt, sums, p):
 
 
 @jit
-def lid_growth(lid, depth, gain, air, flux, on_lid, dt, p):
+def lid_growth(
+    lid: float,
+    depth: float,
+    gain: float,
+    air: float,
+    flux: float,
+    on_lid: float,
+    dt: float,
+    p: Physics,
+) -> tuple[float, ...]:
     """Ice that lids gain (m, negative: melts), and the share of the flux that melting takes.
 
     Stefan's law below the air while nothing melts (eq. 3); else the surface's flux melts the lid,
@@ -286,7 +312,9 @@ def lid_growth(lid, depth, gain, air, flux, on_lid, dt, p):
 
 
 @jit
-def shape(area, water, change, flat, cover, p):
+def shape(
+    area: float, water: float, change: float, flat: float, cover: float, p: Physics
+) -> tuple[float, ...]:
     """Area and depth of a pond that holds water and changed by so much (eq. 5; m of the ice).
 
     Parameters
@@ -321,7 +349,7 @@ def shape(area, water, change, flat, cover, p):
 
 
 @jit
-def basin(water, flat, p):
+def basin(water: float, flat: float, p: Physics) -> tuple[float, ...]:
     """Area and depth of a pond that is as deep as wide by its aspect, where there is room.
 
     Parameters
@@ -343,7 +371,9 @@ def basin(water, flat, p):
 
 
 @jit
-def seep(w, first, thickness, pond, dt, p):
+def seep(
+    w: Profile, first: int, thickness: Thickness, pond: Pond, dt: float, p: Physics
+) -> tuple[float, ...]:
     """Area and depth of a pond after drainage through Bitz-Lipscomb ice (eq. 6 with eq. 11).
 
     Parameters

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Light in a category by the scheme asked for, and what no layer can take."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from floeflow.column import records as r
 from floeflow.column.physics import TINY, jit
@@ -10,12 +13,27 @@ from floeflow.column.shortwave.ccsm3 import absorb
 from floeflow.column.shortwave.delta_eddington import absorb_scattered
 from floeflow.column.thermodynamics.mush import liquidus
 
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.records import Column, Thickness
+    from floeflow.column.shortwave.scattering import Rays
+    from floeflow.column.thermodynamics.profile import Profile
+
 NEAR_MELTING = 0.02  # K below melting from which on a layer takes no light
 LARGEST_SHARE = 0.9  # of the heat that brings a layer to melting
 
 
 @jit
-def shed_light(c, n, thickness, w, rays, f, dt, p):
+def shed_light(
+    c: Column,
+    n: int,
+    thickness: Thickness,
+    w: Profile,
+    rays: Rays,
+    f: np.ndarray,
+    dt: float,
+    p: Physics,
+) -> tuple[float, ...]:
     """Light absorbed at the surface and passed to the ocean (W/m2); fills ``w.source``.
 
     Arguments as `delta_eddington.absorb_scattered`, after `profile.fill`.
@@ -63,7 +81,7 @@ def shed_light(c, n, thickness, w, rays, f, dt, p):
 
 
 @jit
-def lift(w, first, dt, p):
+def lift(w: Profile, first: int, dt: float, p: Physics) -> float:
     """Take light from layers that it would melt; what the surface gets instead (W/m2).
 
     Hunke et al. (2015), section on thermodynamics; docs/theory/column_light.md, eq. 14.

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Light in the manner of CCSM3: albedo in two bands, absorption in bare ice by Beer's law.
 
 Briegleb et al. (2004). Direct and diffuse light are treated alike.
@@ -8,12 +7,18 @@ Briegleb et al. (2004). Direct and diffuse light are treated alike.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from floeflow.column.physics import TINY, jit
 
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+
 
 @jit
-def albedos(thickness, snow, temperature, p):
+def albedos(thickness: float, snow: float, temperature: float, p: Physics) -> tuple[float, ...]:
     """Albedo of bare ice and of snow: ice visible, ice infrared, snow visible, snow infrared.
 
     Briegleb et al. (2004); theory, eq. 11.
@@ -47,7 +52,16 @@ def albedos(thickness, snow, temperature, p):
 
 
 @jit
-def absorb(thickness, snow, temperature, visible, infrared, source, first, p):
+def absorb(
+    thickness: float,
+    snow: float,
+    temperature: float,
+    visible: float,
+    infrared: float,
+    source: np.ndarray,
+    first: int,
+    p: Physics,
+) -> tuple[float, ...]:
     """Light absorbed at the surface and passed to the ocean (W/m2); fills ``source``.
 
     Snow and the near infrared let nothing through; of the visible light that bare ice absorbs a

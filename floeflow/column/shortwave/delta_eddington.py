@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Light in snow, ice and ponds with multiple scattering, in three bands.
 
 Briegleb and Light (2007); numbers of equations are those of docs/theory/column_light.md. Bare ice,
@@ -10,7 +9,9 @@ layers.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from floeflow.column import records as r
 from floeflow.column.physics import TINY, jit
@@ -40,6 +41,12 @@ from floeflow.column.shortwave.scattering import (
     refracted,
     scatter,
 )
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.records import Column, Thickness
+    from floeflow.column.shortwave.scattering import Rays
+    from floeflow.column.thermodynamics.profile import Profile
 
 BARE, SNOW, POND = range(3)
 SNOW_SKIN, ICE_SKIN = 0.04, 0.05  # most of what is the scattering surface (m)
@@ -81,7 +88,7 @@ class Surface(NamedTuple):
 
 
 @jit
-def ice_media(media, layers, p):
+def ice_media(media: np.ndarray, layers: int, p: Physics) -> None:
     """Set the media of bare ice, which no category changes.
 
     Parameters
@@ -100,7 +107,7 @@ def ice_media(media, layers, p):
 
 
 @jit
-def bare_ice(place, layers, band, p):
+def bare_ice(place: int, layers: int, band: int, p: Physics) -> tuple[float, ...]:
     """Scattering and absorption (1/m) of skin, drained ice, ice inside, and of what is both.
 
     Parameters
@@ -129,7 +136,7 @@ def bare_ice(place, layers, band, p):
 
 
 @jit
-def mix_ice(media, m, scatters, absorbs):
+def mix_ice(media: np.ndarray, m: int, scatters: float, absorbs: float) -> None:
     """Set a medium of ice by its scattering and absorption (1/m).
 
     Parameters
@@ -148,7 +155,16 @@ def mix_ice(media, m, scatters, absorbs):
 
 
 @jit
-def absorb_scattered(c, n, thickness, w, rays, f, dt, p):
+def absorb_scattered(
+    c: Column,
+    n: int,
+    thickness: Thickness,
+    w: Profile,
+    rays: Rays,
+    f: np.ndarray,
+    dt: float,
+    p: Physics,
+) -> tuple[float, ...]:
     """Light absorbed at the surface and passed to the ocean (W/m2); fills ``w.source``.
 
     Parameters
@@ -196,7 +212,9 @@ def absorb_scattered(c, n, thickness, w, rays, f, dt, p):
 
 
 @jit
-def shine(surface, first, w, rays, f, p):
+def shine(
+    surface: Surface, first: int, w: Profile, rays: Rays, f: np.ndarray, p: Physics
+) -> tuple[float, ...]:
     """Light absorbed at and passed by one kind of surface; adds to ``w.source``, all by share.
 
     Parameters
@@ -261,7 +279,7 @@ def shine(surface, first, w, rays, f, p):
 
 
 @jit
-def mix_ponded(media, pond, layers, band, p):
+def mix_ponded(media: np.ndarray, pond: float, layers: int, band: int, p: Physics) -> None:
     """Set the media of ice under a pond (m): that of bare ice where it is shallow (eq. 13).
 
     Parameters
@@ -287,7 +305,7 @@ def mix_ponded(media, pond, layers, band, p):
 
 
 @jit
-def drained_share(place, layers, p):
+def drained_share(place: int, layers: int, p: Physics) -> float:
     """Share of a layer, counted from 1 below the skin, that is drained.
 
     Parameters
@@ -310,7 +328,7 @@ def drained_share(place, layers, p):
 
 
 @jit
-def sort_of(place, layers, p):
+def sort_of(place: int, layers: int, p: Physics) -> int:
     """Sort of ice of the skin (0) and of the layers below it.
 
     Parameters
@@ -336,7 +354,16 @@ def sort_of(place, layers, p):
 
 
 @jit
-def shine_band(surface, band, first, layers, sun, inner, rays, p):
+def shine_band(
+    surface: Surface,
+    band: int,
+    first: int,
+    layers: int,
+    sun: float,
+    inner: float,
+    rays: Rays,
+    p: Physics,
+) -> int:
     """Light of one band through the layers; the interface from which on nothing was looked at.
 
     From the top: the scattering surface of the snow, the rest of its first layer, its other layers

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Inherent optical properties of snow, sea ice and ponds in three bands of the sun's light.
 
 All numbers are those of Briegleb and Light (2007): the visible (0.2 to 0.7 um), and the near
@@ -9,9 +8,14 @@ that scatters, "asymmetry" the mean cosine of the scattering angle.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from floeflow.column.physics import jit
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
 
 BANDS = 3
 # Layers of the ice: at the surface, drained, inside; the last two under ponds.
@@ -83,7 +87,7 @@ SNOW_ASYMMETRY = np.ascontiguousarray(_SNOW[:, 7:10])
 
 
 @jit
-def ice_scattering(kind, band, p):
+def ice_scattering(kind: int, band: int, p: Physics) -> tuple[float, ...]:
     """Scattering and absorption of a layer of ice (1/m), scattering as tuned.
 
     Parameters
@@ -110,8 +114,19 @@ def ice_scattering(kind, band, p):
 
 
 @jit
-def grain_place(radius):
-    """Row of the table below a grain radius (um), and the share of the next row."""
+def grain_place(radius: float) -> tuple[int, float]:
+    """Row of the table below a grain radius (um), and the share of the next row.
+
+    Parameters
+    ----------
+    radius : float
+        Of snow grains (um).
+
+    Returns
+    -------
+    tuple of int and float
+        Row and share (1).
+    """
     last = GRAINS.size - 1
     if radius < GRAINS[0]:
         return 0, 0.0
@@ -128,7 +143,7 @@ def grain_place(radius):
 
 
 @jit
-def snow_optics(radius, row, share, band, p):
+def snow_optics(radius: float, row: int, share: float, band: int, p: Physics) -> tuple[float, ...]:
     """Extinction (1/m), albedo and asymmetry of snow of a grain radius (um).
 
     Parameters
@@ -158,7 +173,7 @@ def snow_optics(radius, row, share, band, p):
 
 
 @jit
-def snow_grains(surface, p):
+def snow_grains(surface: float, p: Physics) -> float:
     """Radius of snow grains (um) by the temperature of the surface (degC).
 
     Parameters

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Light of one band through layers that scatter: delta-Eddington layers, added up.
 
 Briegleb and Light (2007), Briegleb (1992); numbers of equations are those of
@@ -83,7 +82,7 @@ class Rays(NamedTuple):
 
 
 @jit_making
-def new_rays(layers, media):
+def new_rays(layers: int, media: int) -> Rays:
     """Return work arrays for snow and ice of so many layers, with two more that scatter.
 
     Parameters
@@ -107,10 +106,20 @@ def new_rays(layers, media):
 
 
 @jit
-def fading(path):
+def fading(path: float) -> float:
     """exp(-path) for a path of 0 to 10, in a form that is computed for several at once.
 
     The fifth power of two of a polynomial on [-0.32, 0]: relative error below 1e-14.
+
+    Parameters
+    ----------
+    path : float
+        Optical path, 0 to 10 (1).
+
+    Returns
+    -------
+    float
+        1.
     """
     x = 0.15625 - path * 0.03125
     xx = x * x
@@ -128,7 +137,9 @@ def fading(path):
 
 
 @jit
-def mix_medium(media, m, extinction, albedo, asymmetry):
+def mix_medium(
+    media: np.ndarray, m: int, extinction: float, albedo: float, asymmetry: float
+) -> None:
     """Set medium m to what scatters so: all of the layer's solution that its depth does not enter.
 
     Scaled for forward scattering (eq. 1); rates and amplitudes of the two streams (eqs. 2 and 3).
@@ -167,7 +178,7 @@ def mix_medium(media, m, extinction, albedo, asymmetry):
 
 
 @jit
-def scatter(r, k, m, thick, sun):
+def scatter(r: Rays, k: int, m: int, thick: float, sun: float) -> None:
     """Set what layer k of medium m and a thickness (m) reflects and transmits (eqs. 4 and 5).
 
     ``sun`` is the cosine of the beam's direction in the layer.
@@ -214,7 +225,7 @@ def scatter(r, k, m, thick, sun):
 
 
 @jit
-def copy_layer(r, k):
+def copy_layer(r: Rays, k: int) -> None:
     """Layer k is like the one above it.
 
     Parameters
@@ -230,13 +241,24 @@ def copy_layer(r, k):
 
 
 @jit
-def refracted(sun):
-    """Cosine of the beam's direction in ice or water (Snell)."""
+def refracted(sun: float) -> float:
+    """Cosine of the beam's direction in ice or water (Snell).
+
+    Parameters
+    ----------
+    sun : float
+        Cosine of the beam's zenith angle in air.
+
+    Returns
+    -------
+    float
+        1.
+    """
     return math.sqrt(1.0 - (1.0 - sun * sun) / (REFRACTION * REFRACTION))
 
 
 @jit
-def refract(r, k, sun, inner):
+def refract(r: Rays, k: int, sun: float, inner: float) -> None:
     """Put a refracting surface on top of layer k (eqs. 6 and 7).
 
     Parameters
@@ -268,7 +290,7 @@ def refract(r, k, sun, inner):
 
 
 @jit
-def pass_down(r, k):
+def pass_down(r: Rays, k: int) -> None:
     """Transmission from the top to the interface below layer k (eq. 8).
 
     Parameters
@@ -290,7 +312,7 @@ def pass_down(r, k):
 
 
 @jit
-def add_up(r, first, last, bottom, direct, diffuse):
+def add_up(r: Rays, first: int, last: int, bottom: float, direct: float, diffuse: float) -> None:
     """Add the net fluxes of a band at interfaces first to last (eqs. 9 and 10).
 
     Parameters

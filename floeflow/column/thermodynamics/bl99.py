@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Temperatures of snow and ice by Bitz and Lipscomb (1999): implicit, with the surface balance.
 
 The heat capacity of a layer is the one that makes the change of enthalpy exact once the iteration
@@ -9,7 +8,7 @@ counted at the bottom, so that a step conserves energy to round-off (theory, eq.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from floeflow.column.physics import TINY, jit
 from floeflow.column.thermodynamics.boundary_layer import surface_balance
@@ -17,6 +16,11 @@ from floeflow.column.thermodynamics.enthalpy import ice_enthalpy, snow_enthalpy
 from floeflow.column.thermodynamics.newton_fallback import newton
 from floeflow.column.thermodynamics.profile import conductances
 from floeflow.column.thermodynamics.tridiagonal import fill_layer, fill_surface, solve
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.thermodynamics.boundary_layer import SurfaceForcing
+    from floeflow.column.thermodynamics.profile import Profile
 
 
 class Balance(NamedTuple):
@@ -46,7 +50,15 @@ class Balance(NamedTuple):
 
 
 @jit
-def solve_temperatures(w, first, surface, bottom, forcing, dt, p):
+def solve_temperatures(
+    w: Profile,
+    first: int,
+    surface: float,
+    bottom: float,
+    forcing: SurfaceForcing,
+    dt: float,
+    p: Physics,
+) -> Balance:
     """Temperatures and enthalpies of the layers after dt, and the fluxes at both ends.
 
     Parameters
@@ -84,7 +96,7 @@ def solve_temperatures(w, first, surface, bottom, forcing, dt, p):
 
 
 @jit
-def closed(w, top, found, dt):
+def closed(w: Profile, top: int, found: Balance, dt: float) -> Balance:
     """Let the bottom flux close the energy of the layers (theory, eq. 14).
 
     Parameters
@@ -113,7 +125,16 @@ def closed(w, top, found, dt):
 
 
 @jit
-def iterate(w, top, first, surface, bottom, forcing, dt, p):
+def iterate(
+    w: Profile,
+    top: int,
+    first: int,
+    surface: float,
+    bottom: float,
+    forcing: SurfaceForcing,
+    dt: float,
+    p: Physics,
+) -> Balance:
     """Repeat linear solves until surface and fluxes stand still; sweeps < 0 where they do not.
 
     Parameters
@@ -194,7 +215,7 @@ def iterate(w, top, first, surface, bottom, forcing, dt, p):
 
 
 @jit
-def capacity(w, layer, first, p):
+def capacity(w: Profile, layer: int, first: int, p: Physics) -> float:
     """Heat capacity (J/m3/K) between the first and the present temperature (theory, eq. 2).
 
     Parameters
@@ -223,7 +244,7 @@ def capacity(w, layer, first, p):
 
 
 @jit
-def update(w, top, first, average, p):
+def update(w: Profile, top: int, first: int, average: float, p: Physics) -> float:
     """Take the solution into the profile, none above melting; returns what was cut (J/m2).
 
     Parameters
@@ -268,7 +289,7 @@ def update(w, top, first, average, p):
 
 
 @jit
-def throttle(w, first, error, scale):
+def throttle(w: Profile, first: int, error: float, scale: float) -> None:
     """Let layers that would pass their melting point conduct less.
 
     Heat that a layer cannot take stays above it, instead of passing through to the bottom.

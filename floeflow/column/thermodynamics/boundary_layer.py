@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Turbulent and long-wave exchange of ice, snow and sea with the air, with stability.
 
 Monin-Obukhov similarity in a fixed number of iterations: Kauffman and Large (2002), and Jordan et
@@ -9,9 +8,12 @@ al. (1999) for calm air.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from floeflow.column.physics import KELVIN, jit
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
 
 
 class Air(NamedTuple):
@@ -58,7 +60,7 @@ class SurfaceForcing(NamedTuple):
 
 
 @jit
-def transfer(temperature, air, sea, p):
+def transfer(temperature: float, air: Air, sea: bool, p: Physics) -> tuple[float, ...]:
     """Coefficients of sensible heat (W/m2/K) and of latent heat (W/m2 per kg/kg).
 
     Kauffman and Large (2002); theory, eq. 9: neutral coefficients of ice from its roughness,
@@ -104,10 +106,20 @@ def transfer(temperature, air, sea, p):
 
 
 @jit
-def stability(ratio):
+def stability(ratio: float) -> tuple[float, ...]:
     """Integrated stability functions of momentum and scalars at z/L.
 
     Stable: Holtslag and De Bruin (1988). Unstable: Paulson (1970). Theory, eq. 10.
+
+    Parameters
+    ----------
+    ratio : float
+        Height over Obukhov length, z/L (1).
+
+    Returns
+    -------
+    tuple of float
+        Of momentum and of scalars (1).
     """
     if ratio >= 0.0:
         psi = -(0.7 * ratio + 0.75 * (ratio - 14.3) * math.exp(-0.35 * ratio) + 10.7)
@@ -120,7 +132,7 @@ def stability(ratio):
 
 
 @jit
-def surface_balance(temperature, forcing, p):
+def surface_balance(temperature: float, forcing: SurfaceForcing, p: Physics) -> tuple[float, ...]:
     """Fluxes into ice or snow (W/m2), their slope (W/m2/K), latent heat and its slope.
 
     Light absorbed at the surface, long-wave, sensible, latent (theory, eq. 8), at a temperature
@@ -152,7 +164,7 @@ def surface_balance(temperature, forcing, p):
 
 
 @jit
-def sea_balance(temperature, light, air, p):
+def sea_balance(temperature: float, light: float, air: Air, p: Physics) -> tuple[float, ...]:
     """Fluxes into open water and its latent heat (W/m2), black to long waves (theory, eq. 25).
 
     Parameters

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Gravity drainage: how fast brine leaves the ice, in channels and slowly.
 
 Turner, Hunke and Bitz (2013); Rees Jones and Worster (2013) for the flow in channels; permeability
@@ -9,9 +8,14 @@ of Golden et al. (2007).
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from floeflow.column.physics import TINY, jit
 from floeflow.column.thermodynamics.mush import brine_density, brine_salinity
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.thermodynamics.profile import Profile
 
 LARGEST_SHARE = 0.2  # of a layer that may be exchanged in a step
 LEAST_SALINITY = 0.1  # 1e-3, below which a step must not come
@@ -20,13 +24,28 @@ NO_FLOW = 1e-30
 
 
 @jit
-def permeability(liquid):
-    """Permeability (m2) of mush (eq. 6)."""
+def permeability(liquid: float) -> float:
+    """Permeability (m2) of mush (eq. 6).
+
+    Parameters
+    ----------
+    liquid : float
+        Liquid fraction of the mush (1).
+    """
     return 3e-8 * max(liquid - 0.05, 0.0) ** 3
 
 
 @jit
-def drain(w, first, ice, surface, bottom, sea_salinity, dt, p):
+def drain(
+    w: Profile,
+    first: int,
+    ice: float,
+    surface: float,
+    bottom: float,
+    sea_salinity: float,
+    dt: float,
+    p: Physics,
+) -> None:
     """Set the upward exchange ``w.flow`` (m/s) and the slow drainage ``w.drain`` (1e-3/s).
 
     Theory of the mushy column, eqs. 7 to 9. From the bottom up: what the density of brine drives

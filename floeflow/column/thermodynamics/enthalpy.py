@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Enthalpy, temperature, salinity and conductivity of ice and snow layers.
 
 Enthalpy (J/m3) is the energy that is missing to melt the ice and to bring its water to 0 degC: it
@@ -44,7 +43,7 @@ def salinity_profile(layers: int, p: Physics) -> NDArray[np.float64]:
 
 
 @jit
-def ice_enthalpy(temperature, melting, p):
+def ice_enthalpy(temperature: float, melting: float, p: Physics) -> float:
     """Enthalpy (J/m3) of ice at a temperature (degC) (Bitz and Lipscomb 1999; theory, eq. 3).
 
     Parameters
@@ -68,7 +67,7 @@ def ice_enthalpy(temperature, melting, p):
 
 
 @jit
-def ice_temperature(enthalpy, melting, p):
+def ice_temperature(enthalpy: float, melting: float, p: Physics) -> float:
     """Temperature (degC) of ice of an enthalpy (J/m3), at most ``melting``.
 
     Inverse of the enthalpy (theory, eq. 4) in a form that loses no digits at either end.
@@ -94,7 +93,7 @@ def ice_temperature(enthalpy, melting, p):
 
 
 @jit
-def negative_root(a, b, c):
+def negative_root(a: float, b: float, c: float) -> float:
     """Lower root of a x**2 + b x + c with a > 0 and c <= 0, at most zero.
 
     Parameters
@@ -118,7 +117,7 @@ def negative_root(a, b, c):
 
 
 @jit
-def snow_temperature(enthalpy, p):
+def snow_temperature(enthalpy: float, p: Physics) -> float:
     """Temperature (degC) of snow of an enthalpy (J/m3), at most zero.
 
     Parameters
@@ -137,7 +136,7 @@ def snow_temperature(enthalpy, p):
 
 
 @jit
-def snow_enthalpy(temperature, p):
+def snow_enthalpy(temperature: float, p: Physics) -> float:
     """Enthalpy (J/m3) of snow at a temperature (degC).
 
     Parameters
@@ -156,7 +155,7 @@ def snow_enthalpy(temperature, p):
 
 
 @jit
-def ice_conductivity(temperature, salinity, p):
+def ice_conductivity(temperature: float, salinity: float, p: Physics) -> float:
     """Conductivity (W/m/K) of ice.
 
     Pringle et al. (2007), "bubbly", or Maykut and Untersteiner (1971); theory, eq. 5.

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Growth and melt of one category at its top and bottom, sublimation, snowfall, flooding.
 
 Order as in Bitz and Lipscomb (1999) and Hunke et al. (2015): hoar, growth at the bottom, then from
@@ -9,12 +8,18 @@ process takes the energy of the very ice that it moves, so energy closes term by
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from floeflow.column.physics import TINY, jit
 from floeflow.column.thermodynamics.enthalpy import ice_enthalpy, snow_enthalpy
 from floeflow.column.thermodynamics.layers import even_out, flood
 from floeflow.column.thermodynamics.mush import liquid_fraction, melted_enthalpy, mush_enthalpy
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.records import Water
+    from floeflow.column.thermodynamics.bl99 import Balance
+    from floeflow.column.thermodynamics.profile import Profile
 
 
 class Change(NamedTuple):
@@ -54,7 +59,9 @@ class Change(NamedTuple):
 
 
 @jit
-def change_thickness(w, first, found, water, snowfall, dt, p):
+def change_thickness(
+    w: Profile, first: int, found: Balance, water: Water, snowfall: float, dt: float, p: Physics
+) -> Change:
     """Advance the thicknesses by the fluxes of a temperature solve.
 
     Parameters
@@ -126,7 +133,7 @@ def change_thickness(w, first, found, water, snowfall, dt, p):
 
 
 @jit
-def remove(w, k, energy, enthalpy):
+def remove(w: Profile, k: int, energy: float, enthalpy: float) -> tuple[float, ...]:
     """Take from layer k what energy (J/m2) removes at an enthalpy (J/m3); thickness and rest.
 
     A layer without ice to melt (mush all of brine) goes whole.
@@ -159,7 +166,7 @@ def remove(w, k, energy, enthalpy):
 
 
 @jit
-def melt_inside(w, k, p):
+def melt_inside(w: Profile, k: int, p: Physics) -> float:
     """Melt of snow layer k what light has warmed past melting; thickness melted (m).
 
     Parameters
@@ -186,7 +193,7 @@ def melt_inside(w, k, p):
 
 
 @jit
-def settle_hoar(w, first, energy, p):
+def settle_hoar(w: Profile, first: int, energy: float, p: Physics) -> tuple[float, ...]:
     """Add condensed vapour at the enthalpy of the top (theory, eq. 15); ice, snow added (m).
 
     Parameters
@@ -219,7 +226,9 @@ def settle_hoar(w, first, energy, p):
 
 
 @jit
-def freeze_on(w, energy, bottom, sea_salinity, p):
+def freeze_on(
+    w: Profile, energy: float, bottom: float, sea_salinity: float, p: Physics
+) -> tuple[float, ...]:
     """Grow ice at the bottom with an energy (J/m2); thickness gained, energy brought with water.
 
     Theory, eq. 16: new ice has the salinity of the lowest layer and the temperature of the water,
@@ -268,7 +277,7 @@ def freeze_on(w, energy, bottom, sea_salinity, p):
 
 
 @jit
-def snow_on(w, first, fallen, p):
+def snow_on(w: Profile, first: int, fallen: float, p: Physics) -> float:
     """Add snow at its melting point to the top snow layer; thickness added (m).
 
     Parameters
@@ -297,7 +306,7 @@ def snow_on(w, first, fallen, p):
 
 
 @jit
-def settle(w, first, p):
+def settle(w: Profile, first: int, p: Physics) -> tuple[float, ...]:
     """Flood, even out; ice, snow, snow-ice and drowned snow (m), energy of the latter (J/m2).
 
     Parameters

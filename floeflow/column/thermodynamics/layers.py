@@ -1,15 +1,22 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Equal layers again after growth and melt, conserving energy; flooding of heavy snow."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+import numpy as np
+
 from floeflow.column.physics import TINY, jit
 from floeflow.column.thermodynamics.mush import brine_density, brine_enthalpy, brine_salinity
 
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.thermodynamics.profile import Profile
+
 
 @jit
-def even_out(w, begin, end, salty):
+def even_out(w: Profile, begin: int, end: int, salty: bool) -> float:
     """Make layers begin to end - 1 equally thick; returns their total thickness (m).
 
     A new layer takes the energy, and where ``salty`` the salt, of what lies within its bounds
@@ -45,7 +52,7 @@ def even_out(w, begin, end, salty):
 
 
 @jit
-def share(values, w, begin, end, total):
+def share(values: np.ndarray, w: Profile, begin: int, end: int, total: float) -> None:
     """Average a quantity per volume over equal parts of the layers between ``w.edges``.
 
     Parameters
@@ -83,7 +90,7 @@ def share(values, w, begin, end, total):
 
 
 @jit
-def flood(w, first, ice, snow, p):
+def flood(w: Profile, first: int, ice: float, snow: float, p: Physics) -> float:
     """Turn snow below the water line into ice of the top layer; returns the ice gained (m).
 
     Archimedes' balance of Leppaeranta (1983); theory, eq. 18. The mass of the snow becomes ice,
@@ -127,7 +134,9 @@ def flood(w, first, ice, snow, p):
 
 
 @jit
-def flood_mush(w, first, bottom, sea_salinity, p):
+def flood_mush(
+    w: Profile, first: int, bottom: float, sea_salinity: float, p: Physics
+) -> tuple[float, ...]:
     """Fill snow below the water line with sea water; ice gained (m), energy (J/m2), salt (1e-3 m).
 
     Turner, Hunke and Bitz (2013); theory of the mushy column, eq. 15. The pores of the snow take
@@ -184,7 +193,7 @@ def flood_mush(w, first, bottom, sea_salinity, p):
 
 
 @jit
-def lay_on(values, w, first, gain, new):
+def lay_on(values: np.ndarray, w: Profile, first: int, gain: float, new: float) -> None:
     """Put ice of thickness gain (m) and a value on top of equal ice layers; equal layers again.
 
     Parameters

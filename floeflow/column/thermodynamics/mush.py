@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Thermodynamics of a mush of ice and brine in equilibrium.
 
 Turner, Hunke and Bitz (2013), with the liquidus of Assur (1958) in two pieces. Numbers of equations
@@ -9,8 +8,12 @@ are those of docs/theory/column_mushy.md.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from floeflow.column.physics import TINY, jit
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
 
 # Liquidus: brine salinity (1e-3) over temperature (degC), warm and cold piece, and their meeting.
 WARM_SLOPE, WARM_OFFSET = -18.48, 0.0
@@ -19,8 +22,14 @@ MEETING_TEMPERATURE, MEETING_SALINITY = -7.6362968855167352, 123.66702800276086
 
 
 @jit
-def brine_salinity(temperature):
-    """Salinity (1e-3) of brine that is in equilibrium with ice (eq. 1)."""
+def brine_salinity(temperature: float) -> float:
+    """Salinity (1e-3) of brine that is in equilibrium with ice (eq. 1).
+
+    Parameters
+    ----------
+    temperature : float
+        Of the ice (degC).
+    """
     if temperature > 0.0:
         return 0.0
     warm = temperature > MEETING_TEMPERATURE
@@ -30,8 +39,14 @@ def brine_salinity(temperature):
 
 
 @jit
-def liquidus(salinity):
-    """Temperature (degC) at which brine of a salinity begins to freeze (eq. 1)."""
+def liquidus(salinity: float) -> float:
+    """Temperature (degC) at which brine of a salinity begins to freeze (eq. 1).
+
+    Parameters
+    ----------
+    salinity : float
+        Of the brine (1e-3).
+    """
     warm = salinity <= MEETING_SALINITY
     slope = WARM_SLOPE if warm else COLD_SLOPE
     offset = WARM_OFFSET if warm else COLD_OFFSET
@@ -39,7 +54,7 @@ def liquidus(salinity):
 
 
 @jit
-def liquid_fraction(temperature, salinity):
+def liquid_fraction(temperature: float, salinity: float) -> float:
     """Volume share of brine (eq. 2).
 
     Parameters
@@ -58,13 +73,19 @@ def liquid_fraction(temperature, salinity):
 
 
 @jit
-def brine_density(salinity):
-    """Density of brine (kg/m3) of a salinity (1e-3); Notz (2005); eq. 3."""
+def brine_density(salinity: float) -> float:
+    """Density of brine (kg/m3) of a salinity (1e-3); Notz (2005); eq. 3.
+
+    Parameters
+    ----------
+    salinity : float
+        Of the brine (1e-3).
+    """
     return 1000.3 + 0.78237 * salinity + 2.8008e-4 * salinity**2
 
 
 @jit
-def brine_enthalpy(temperature, p):
+def brine_enthalpy(temperature: float, p: Physics) -> float:
     """Enthalpy (J/m3) of brine or of the sea.
 
     Parameters
@@ -83,7 +104,7 @@ def brine_enthalpy(temperature, p):
 
 
 @jit
-def mush_enthalpy(temperature, liquid, p):
+def mush_enthalpy(temperature: float, liquid: float, p: Physics) -> float:
     """Enthalpy (J/m3) of mush of a liquid fraction (eq. 4).
 
     Parameters
@@ -105,7 +126,7 @@ def mush_enthalpy(temperature, liquid, p):
 
 
 @jit
-def melted_enthalpy(salinity, p):
+def melted_enthalpy(salinity: float, p: Physics) -> float:
     """Enthalpy (J/m3) at which the last ice of mush of a bulk salinity melts.
 
     Parameters
@@ -124,7 +145,7 @@ def melted_enthalpy(salinity, p):
 
 
 @jit
-def mush_temperature(enthalpy, salinity, p):
+def mush_temperature(enthalpy: float, salinity: float, p: Physics) -> float:
     """Temperature (degC) of mush of an enthalpy (J/m3) and bulk salinity (1e-3).
 
     Root of eq. 4 with the liquid fraction of eqs. 1 and 2 in the piece of the liquidus where it
@@ -163,7 +184,7 @@ def mush_temperature(enthalpy, salinity, p):
 
 
 @jit
-def mush_conductivity(temperature, salinity, p):
+def mush_conductivity(temperature: float, salinity: float, p: Physics) -> float:
     """Conductivity (W/m/K) of mush (eq. 5).
 
     Parameters

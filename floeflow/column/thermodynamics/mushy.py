@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Temperatures and salt of mushy layers by Turner, Hunke and Bitz (2013).
 
 The liquid fraction is held in a step, so the layers are linear and only the surface is not: its
@@ -8,6 +7,8 @@ docs/theory/column_mushy.md.
 """
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from floeflow.column.physics import jit
 from floeflow.column.ponds.flushing import flushing
@@ -24,11 +25,26 @@ from floeflow.column.thermodynamics.mush import (
 )
 from floeflow.column.thermodynamics.profile import conductances
 
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.records import Water
+    from floeflow.column.thermodynamics.boundary_layer import SurfaceForcing
+    from floeflow.column.thermodynamics.profile import Profile
+
 LEAST_SALINITY = 0.01  # 1e-3
 
 
 @jit
-def solve_mush(w, first, surface, water, forcing, pond, dt, p):
+def solve_mush(
+    w: Profile,
+    first: int,
+    surface: float,
+    water: Water,
+    forcing: SurfaceForcing,
+    pond: tuple[float, ...],
+    dt: float,
+    p: Physics,
+) -> tuple[Balance, float, float, float]:
     """Temperatures, enthalpies and salinities after dt; fluxes, and heat that brine carries off.
 
     Arguments and first result as `bl99.solve_temperatures`, but ``water``: the `Water` under the
@@ -57,7 +73,7 @@ def solve_mush(w, first, surface, water, forcing, pond, dt, p):
 
     Returns
     -------
-    tuple of Balance and float
+    tuple of Balance, float, float and float
         Fluxes and temperature of the surface; heat that brine carries to the sea (W/m2); salt
         gained (1e-3 m, negative: lost); speed of flushing (m/s).
     """
@@ -115,7 +131,7 @@ def solve_mush(w, first, surface, water, forcing, pond, dt, p):
 
 
 @jit
-def eliminate(w, rows):
+def eliminate(w: Profile, rows: int) -> None:
     """Eliminate the layers from the bottom up.
 
     Each is left as a linear function of the one above it, the first of the surface: its constant in
@@ -137,7 +153,9 @@ def eliminate(w, rows):
 
 
 @jit
-def settle_surface(w, top, cold, surface, forcing, p):
+def settle_surface(
+    w: Profile, top: int, cold: bool, surface: float, forcing: SurfaceForcing, p: Physics
+) -> Balance:
     """Solve for a surface that is cold, or for one that is kept at its temperature.
 
     A cold surface may come out above melting.
@@ -182,7 +200,9 @@ def settle_surface(w, top, cold, surface, forcing, p):
 
 
 @jit
-def fill_mush(w, top, k, first, bottom, sinks, dt, p):
+def fill_mush(
+    w: Profile, top: int, k: int, first: int, bottom: float, sinks: float, dt: float, p: Physics
+) -> None:
     """Row of a layer: storage, conduction, exchange of brine upward and flushing (eqs. 10, 11).
 
     Parameters
@@ -226,7 +246,7 @@ def fill_mush(w, top, k, first, bottom, sinks, dt, p):
 
 
 @jit
-def desalinate(w, first, sea_salinity, sinks, dt):
+def desalinate(w: Profile, first: int, sea_salinity: float, sinks: float, dt: float) -> float:
     """Exchange salt with brine below, drain slowly, flush (eq. 12); salt gained (1e-3 m).
 
     Parameters

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """A method for temperatures that cannot fail: Newton's, on a convex monotone system.
 
 The enthalpy of ice is a convex rising function of its temperature, and stays one when it is
@@ -13,10 +12,17 @@ converge, and is counted; so is where it does not come to its tolerance either.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from floeflow.column.physics import jit
 from floeflow.column.thermodynamics.boundary_layer import surface_balance
 from floeflow.column.thermodynamics.enthalpy import ice_enthalpy, snow_enthalpy
 from floeflow.column.thermodynamics.tridiagonal import fill_layer, fill_surface, solve
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.thermodynamics.boundary_layer import SurfaceForcing
+    from floeflow.column.thermodynamics.profile import Profile
 
 TOLERANCE = 1e-9  # K
 STEEP = 1000.0  # slope of enthalpy above the melting point, over the one below
@@ -24,7 +30,16 @@ BARRIER = 1e8  # W/m2/K: slope of the surface's losses above melting
 
 
 @jit
-def newton(w, top, first, surface, bottom, forcing, dt, p):
+def newton(
+    w: Profile,
+    top: int,
+    first: int,
+    surface: float,
+    bottom: float,
+    forcing: SurfaceForcing,
+    dt: float,
+    p: Physics,
+) -> tuple[float, int, float]:
     """Temperatures and enthalpies after dt; surface temperature, steps, and what is left (K).
 
     Arguments as `bl99.solve_temperatures`; ``top`` is the uppermost layer that counts. What is left
@@ -51,7 +66,7 @@ def newton(w, top, first, surface, bottom, forcing, dt, p):
 
     Returns
     -------
-    tuple of float and int
+    tuple of float, int and float
         Temperature of the surface (degC), number of steps, what is left (K).
     """
     z = w.thickness.size
@@ -93,7 +108,7 @@ def newton(w, top, first, surface, bottom, forcing, dt, p):
 
 
 @jit
-def continued(w, layer, first, p):
+def continued(w: Profile, layer: int, first: int, p: Physics) -> tuple[float, ...]:
     """Enthalpy (J/m3) and its slope (J/m3/K), convex also above the melting point.
 
     Parameters

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """The layers of one category while it is worked on: snow first, then ice, top to bottom.
 
 A record of scratch arrays, filled from the state and written back, so that the compiled functions
@@ -8,7 +7,7 @@ allocate nothing in their loops.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +20,9 @@ from floeflow.column.thermodynamics.enthalpy import (
     snow_temperature,
 )
 from floeflow.column.thermodynamics.mush import mush_conductivity, mush_temperature
+
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
 
 Array = NDArray[np.float64]
 
@@ -72,7 +74,7 @@ class Profile(NamedTuple):
 
 
 @jit_making
-def new_profile(salinity, snow_layers, constants):
+def new_profile(salinity: np.ndarray, snow_layers: int, constants: np.ndarray) -> Profile:
     """Scratch for ice of a salinity profile (1e-3, top first) under some snow layers.
 
     Parameters
@@ -116,7 +118,15 @@ def new_profile(salinity, snow_layers, constants):
 
 
 @jit
-def fill(w, ice, snow, ice_enthalpies, snow_enthalpies, salinities, p):
+def fill(
+    w: Profile,
+    ice: float,
+    snow: float,
+    ice_enthalpies: np.ndarray,
+    snow_enthalpies: np.ndarray,
+    salinities: np.ndarray,
+    p: Physics,
+) -> None:
     """Take thicknesses (m), enthalpies (J/m3) and of mush salinities into the profile.
 
     Parameters
@@ -155,7 +165,7 @@ def fill(w, ice, snow, ice_enthalpies, snow_enthalpies, salinities, p):
 
 
 @jit
-def conductances(w, top, first, p):
+def conductances(w: Profile, top: int, first: int, p: Physics) -> None:
     """Conductance of the interfaces from layer ``top`` down, at the step's first temperatures.
 
     Two half layers in series (Bitz and Lipscomb 1999; theory, eq. 7); half a layer at either end.

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """The linear system of surface and layers that every sweep of the temperatures solves."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from floeflow.column.physics import jit
+
+if TYPE_CHECKING:
+    from floeflow.column.thermodynamics.profile import Profile
 
 
 @jit
-def fill_surface(w, top, temperature, net, slope):
+def fill_surface(w: Profile, top: int, temperature: float, net: float, slope: float) -> None:
     """Row 0: the linearised surface balance with the layer below (theory, eq. 8).
 
     Parameters
@@ -30,7 +34,9 @@ def fill_surface(w, top, temperature, net, slope):
 
 
 @jit
-def fill_layer(w, top, layer, capacity, start, bottom, dt):
+def fill_layer(
+    w: Profile, top: int, layer: int, capacity: float, start: float, bottom: float, dt: float
+) -> None:
     """Row of a layer of a heat capacity (J/m3/K), backward Euler (theory, eq. 13).
 
     ``start`` is the temperature from which light and conduction take it (degC), ``bottom`` that of
@@ -64,7 +70,7 @@ def fill_layer(w, top, layer, capacity, start, bottom, dt):
 
 
 @jit
-def solve(w, begin, end):
+def solve(w: Profile, begin: int, end: int) -> None:
     """Eliminate rows begin to end - 1 (Thomas); the right side is overwritten.
 
     Parameters

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Bounds of thickness categories, and the remapping that growth and melt ask for.
 
 Linear remapping of Lipscomb (2001): growth shifts the bounds of the categories, ice is taken to be
@@ -7,6 +6,8 @@ spread linearly between the shifted bounds, and what lies beyond the fixed bound
 """
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +23,21 @@ from floeflow.column.records import (
     level_shares,
 )
 
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.records import Column, Scratch
+
 
 def category_bounds(categories: int) -> NDArray[np.float64]:
     """Thickness bounds (m) of categories, (categories + 1,); Lipscomb (2001); theory, eq. 27.
 
     The last is so high that it bounds nothing. A single category starts at 0.1 m: thinner ice gives
     up area instead.
+
+    Parameters
+    ----------
+    categories : int
+        Their number.
     """
     if categories == 1:
         return np.array([0.1, 999.9])
@@ -41,7 +51,7 @@ def category_bounds(categories: int) -> NDArray[np.float64]:
 
 
 @jit
-def fit_line(area, thickness, low, high):
+def fit_line(area: float, thickness: float, low: float, high: float) -> tuple[float, ...]:
     """Line g0 + g1 (h - left) that holds area and mean thickness, and the range where it does.
 
     Lipscomb (2001); theory, eq. 29. Outside the middle third of its bounds the mean thickness
@@ -77,7 +87,7 @@ def fit_line(area, thickness, low, high):
 
 
 @jit
-def shifted_bounds(c, before, bounds, moved):
+def shifted_bounds(c: Column, before: np.ndarray, bounds: np.ndarray, moved: np.ndarray) -> bool:
     """Move the bounds with the ice beside them (theory, eq. 28); false where they would cross.
 
     Parameters
@@ -117,7 +127,7 @@ def shifted_bounds(c, before, bounds, moved):
 
 
 @jit
-def growth_of(c, before, n):
+def growth_of(c: Column, before: np.ndarray, n: int) -> float:
     """Thickness gained by category n in the step (m).
 
     Parameters
@@ -138,7 +148,7 @@ def growth_of(c, before, n):
 
 
 @jit
-def lose_thin_area(c, before, bounds, moved):
+def lose_thin_area(c: Column, before: np.ndarray, bounds: np.ndarray, moved: np.ndarray) -> None:
     """Open the area whose ice is thinner than the melt of the thinnest category (eq. 31).
 
     The volume stays, on what area is left, which is not made thicker than it was before. With
@@ -170,7 +180,9 @@ def lose_thin_area(c, before, bounds, moved):
 
 
 @jit
-def transfers(c, bounds, moved, area, volume):
+def transfers(
+    c: Column, bounds: np.ndarray, moved: np.ndarray, area: np.ndarray, volume: np.ndarray
+) -> None:
     """Area and volume that cross each bound upward (negative: downward); theory, eq. 30.
 
     Parameters
@@ -209,7 +221,7 @@ def transfers(c, bounds, moved, area, volume):
 
 
 @jit
-def remap(c, before, bounds, s, p):
+def remap(c: Column, before: np.ndarray, bounds: np.ndarray, s: Scratch, p: Physics) -> bool:
     """Move ice between categories after growth and melt; false where only rebinning can.
 
     Lipscomb (2001), for two or more categories.
@@ -238,7 +250,7 @@ def remap(c, before, bounds, s, p):
 
 
 @jit
-def shift(c, s):
+def shift(c: Column, s: Scratch) -> None:
     """Carry out the transfers of ``s.area`` and ``s.volume`` across the bounds.
 
     Each takes the donor's snow and surface with the area, its energy with the volume, all as they
@@ -281,7 +293,7 @@ def shift(c, s):
 
 
 @jit
-def hand_over(c, s, donor, taker, area, volume):
+def hand_over(c: Column, s: Scratch, donor: int, taker: int, area: float, volume: float) -> None:
     """Move area and volume with all that they carry, in extensive quantities.
 
     Parameters
@@ -330,7 +342,7 @@ def hand_over(c, s, donor, taker, area, volume):
 
 
 @jit
-def move(amounts, donor, taker, kind, amount):
+def move(amounts: np.ndarray, donor: int, taker: int, kind: int, amount: float) -> None:
     """Move an amount of one kind, no more than there is, from donor to taker.
 
     Parameters

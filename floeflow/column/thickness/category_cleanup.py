@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Lateral melt, and what keeps the categories sound: area, bounds, no traces of ice."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from floeflow.column.physics import TINY, jit
 from floeflow.column.records import (
@@ -16,9 +19,12 @@ from floeflow.column.records import (
     level_shares,
 )
 
+if TYPE_CHECKING:
+    from floeflow.column.records import Column, Scratch
+
 
 @jit
-def melt_sides(c, side, sums):
+def melt_sides(c: Column, side: float, sums: np.ndarray) -> float:
     """Melt a share of every category; energy taken from the sea (J/m2).
 
     Thickness stays (Steele 1992; theory, eq. 21).
@@ -52,7 +58,7 @@ def melt_sides(c, side, sums):
 
 
 @jit
-def open_area(c, before, least):
+def open_area(c: Column, before: float, least: float) -> None:
     """Let the only category lose area as it melts (Hunke et al. 2015; theory, eq. 24).
 
     Half of the volume lost thins the ice and half opens water; ice thinner than ``least`` (m) gives
@@ -76,7 +82,7 @@ def open_area(c, before, least):
 
 
 @jit
-def rebin(c, s, bounds):
+def rebin(c: Column, s: Scratch, bounds: np.ndarray) -> None:
     """Move categories whose ice has left their bounds to the neighbour, whole.
 
     Parameters
@@ -100,7 +106,7 @@ def rebin(c, s, bounds):
 
 
 @jit
-def merge(c, s, n, into):
+def merge(c: Column, s: Scratch, n: int, into: int) -> None:
     """Put all of category n into another.
 
     Parameters
@@ -135,7 +141,7 @@ def merge(c, s, n, into):
 
 
 @jit
-def empty(c, n, temperature):
+def empty(c: Column, n: int, temperature: float) -> None:
     """Leave a category without ice.
 
     Parameters
@@ -156,7 +162,7 @@ def empty(c, n, temperature):
 
 
 @jit
-def clear(c, freezing, sums):
+def clear(c: Column, freezing: float, sums: np.ndarray) -> float:
     """Melt traces of ice in the sea, keep the area at most 1; energy taken from the sea (J/m2).
 
     What area is above 1 by round-off is given up by all, volumes stay.

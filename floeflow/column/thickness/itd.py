@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Thickness categories of ice that is not in layers: remapping after growth and melt.
 
 The layered kernel does this within its steps. Zero-layer ice is given to the same functions as one
@@ -10,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
@@ -31,9 +30,20 @@ from floeflow.column.state import Array, ColumnFluxes, ColumnState
 from floeflow.column.thickness.categories import remap
 from floeflow.column.thickness.category_cleanup import clear, rebin
 
+if TYPE_CHECKING:
+    from floeflow.column.records import Scratch
+
 
 @jit
-def remap_some(columns, before, bounds, s, freezing, sums, p):
+def remap_some(
+    columns: Column,
+    before: np.ndarray,
+    bounds: np.ndarray,
+    s: Scratch,
+    freezing: float,
+    sums: np.ndarray,
+    p: Physics,
+) -> None:
     """Move ice of all elements between categories, and melt traces of ice in the sea.
 
     Parameters
@@ -62,7 +72,14 @@ def remap_some(columns, before, bounds, s, freezing, sums, p):
 
 def _build(digest: str) -> Callable[..., Any]:
     @numba.njit(cache=True, error_model="numpy")
-    def remap_all(columns, before, bounds, freezing, sums, constants):
+    def remap_all(
+        columns: Column,
+        before: np.ndarray,
+        bounds: np.ndarray,
+        freezing: np.ndarray,
+        sums: np.ndarray,
+        constants: np.ndarray,
+    ) -> None:
         """Call `remap_some`, with ``constants``: `Physics` as a record, (1,)."""
         digest  # noqa: B018  (part of the key under which Numba caches)
         _, categories, ice_layers = columns.ice_enthalpy.shape
@@ -76,7 +93,13 @@ _remap_all = _build(sources_digest())
 
 
 def thicknesses(state: ColumnState) -> Array:
-    """Thickness of each category (m), zero where there is no ice, (n, ncat)."""
+    """Thickness of each category (m), zero where there is no ice, (n, ncat).
+
+    Parameters
+    ----------
+    state : ColumnState
+        n elements of ncat categories.
+    """
     exists = state.ice_fraction > 0.0
     return np.where(exists, state.ice_volume / np.where(exists, state.ice_fraction, 1.0), 0.0)
 

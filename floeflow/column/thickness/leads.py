@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Leads without a mixed layer: water that stays at its freezing point.
 
 What the air and the deep give to open water melts the sides of the ice at once, what they take
@@ -9,13 +8,22 @@ what is left over.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from floeflow.column.physics import jit
 from floeflow.column.records import category_energy
 from floeflow.column.thermodynamics.boundary_layer import sea_balance
 
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.records import Column
+    from floeflow.column.thermodynamics.boundary_layer import Air
+
 
 @jit
-def lead_balance(c, freezing, light, air, deep, dt, p):
+def lead_balance(
+    c: Column, freezing: float, light: float, air: Air, deep: float, dt: float, p: Physics
+) -> tuple[float, ...]:
     """Heat balance of open water at its freezing point.
 
     Parameters

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# mypy: disable-error-code="no-untyped-def"
 """Frazil: ice that the freezing potential of the sea makes in open water."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from floeflow.column.physics import TINY, jit
 from floeflow.column.records import (
@@ -16,9 +19,14 @@ from floeflow.column.records import (
 )
 from floeflow.column.thermodynamics.mush import liquid_fraction, liquidus, mush_enthalpy
 
+if TYPE_CHECKING:
+    from floeflow.column.physics import Physics
+    from floeflow.column.records import Column, Scratch, Water
+    from floeflow.column.thermodynamics.profile import Profile
+
 
 @jit
-def frazil(sea_salinity, p):
+def frazil(sea_salinity: float, p: Physics) -> tuple[float, ...]:
     """Enthalpy (J/m3) and salinity (1e-3) of new ice in open water.
 
     Fresh ice at its melting point, whose salinity is that of the fixed profile (here -1); mush of
@@ -46,7 +54,16 @@ def frazil(sea_salinity, p):
 
 
 @jit
-def freeze_leads(c, s, energy, water, w, bounds, sums, p):
+def freeze_leads(
+    c: Column,
+    s: Scratch,
+    energy: float,
+    water: Water,
+    w: Profile,
+    bounds: np.ndarray,
+    sums: np.ndarray,
+    p: Physics,
+) -> None:
     """Make ice of the energy (J/m2) that the sea lacks (Hunke et al. 2015; theory, eq. 23).
 
     It gathers in open water, at least ``new_ice_thickness`` thick, in the thinnest category; what
@@ -113,7 +130,7 @@ def freeze_leads(c, s, energy, water, w, bounds, sums, p):
 
 
 @jit
-def thicken(c, n, volume, enthalpy, salinity, w):
+def thicken(c: Column, n: int, volume: float, enthalpy: float, salinity: float, w: Profile) -> None:
     """Mix new ice into all layers of category n.
 
     Parameters
@@ -143,7 +160,9 @@ def thicken(c, n, volume, enthalpy, salinity, w):
 
 
 @jit
-def add_below(c, s, n, volume, enthalpy, salinity):
+def add_below(
+    c: Column, s: Scratch, n: int, volume: float, enthalpy: float, salinity: float
+) -> None:
     """Put new ice under category n and make its layers equal again.
 
     Parameters

@@ -73,7 +73,18 @@ def participation(area: Array, whole: Array) -> Array:
 
 
 def ridge_shape(thickness: Array) -> tuple[Array, Array]:
-    """Least thickness of ridges and its e-folding scale (m) from ice of a thickness (eqs. 4, 5)."""
+    """Least thickness of ridges and its e-folding scale (m) from ice of a thickness (eqs. 4, 5).
+
+    Parameters
+    ----------
+    thickness : ndarray
+        Of the ice that ridges (m), any shape.
+
+    Returns
+    -------
+    tuple of ndarray
+        m, of that shape each.
+    """
     return np.minimum(2.0 * thickness, thickness + RAFTING), RIDGE_SCALE * np.sqrt(thickness)
 
 

@@ -61,6 +61,11 @@ def add_reader(opens: Callable[[Path], bool], open_raw: Callable[[Path], xr.Data
 def open_raw(path: str | Path) -> xr.Dataset:
     """Open a file of any known format, values as stored.
 
+    Parameters
+    ----------
+    path : str or Path
+        File or folder (a Zarr store).
+
     Raises
     ------
     FloeError

@@ -13,12 +13,23 @@ from floeflow.core.errors import FloeError
 
 
 def opens(path: Path) -> bool:
-    """A file with the suffix of TIFF."""
+    """A file with the suffix of TIFF.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
     return path.is_file() and path.suffix.lower() in (".tif", ".tiff", ".geotiff")
 
 
 def open_raw(path: Path) -> xr.Dataset:
     """Open whole: variables ``band_1``, ``band_2``, ... with nodata and scale as CF attributes.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
 
     Raises
     ------

@@ -18,7 +18,13 @@ SUFFIXES = (".grib", ".grib1", ".grib2", ".grb", ".grb1", ".grb2")
 
 
 def opens(path: Path) -> bool:
-    """A file that begins as GRIB does, or has its suffix."""
+    """A file that begins as GRIB does, or has its suffix.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
     if not path.is_file():
         return False
     if path.suffix.lower() in SUFFIXES:
@@ -29,6 +35,11 @@ def opens(path: Path) -> bool:
 
 def open_raw(path: Path) -> xr.Dataset:
     """Open lazily; values are unpacked by ecCodes, missing ones NaN.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
 
     Raises
     ------

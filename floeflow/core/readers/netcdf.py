@@ -11,12 +11,23 @@ from floeflow.core.errors import FloeError
 
 
 def opens(path: Path) -> bool:
-    """Any file that no other reader takes."""
+    """Any file that no other reader takes.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
     return path.is_file()
 
 
 def open_raw(path: Path) -> xr.Dataset:
     """Open lazily, undecoded.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
 
     Raises
     ------

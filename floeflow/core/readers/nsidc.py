@@ -28,7 +28,13 @@ CELL = 2.5e4
 
 
 def opens(path: Path) -> bool:
-    """A ``.bin`` file of the size of one of the two grids, with or without header."""
+    """A ``.bin`` file of the size of one of the two grids, with or without header.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
     if not path.is_file() or path.suffix.lower() != ".bin":
         return False
     return _shape(path) is not None
@@ -41,6 +47,11 @@ def _shape(path: Path) -> tuple[int, int] | None:
 
 def open_raw(path: Path) -> xr.Dataset:
     """Open whole: variable ``ice`` with flags, its day from the header or the file's name.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
 
     Raises
     ------

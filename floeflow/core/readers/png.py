@@ -15,12 +15,23 @@ GREY = {"1", "L", "I", "I;16", "I;16B"}
 
 
 def opens(path: Path) -> bool:
-    """A file with the suffix of PNG."""
+    """A file with the suffix of PNG.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    """
     return path.is_file() and path.suffix.lower() == ".png"
 
 
 def open_raw(path: Path) -> xr.Dataset:
     """Open whole: variable ``grey`` on x and y, whose projection the scene has to name.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
 
     Raises
     ------

@@ -13,7 +13,13 @@ MARKS = (".zgroup", ".zmetadata", "zarr.json")
 
 
 def opens(path: Path) -> bool:
-    """A folder with Zarr's metadata, or a file named ``.zarr.zip``."""
+    """A folder with Zarr's metadata, or a file named ``.zarr.zip``.
+
+    Parameters
+    ----------
+    path : Path
+        The folder or zip file.
+    """
     if path.is_dir():
         return any((path / mark).is_file() for mark in MARKS)
     return path.name.endswith(".zarr.zip")
@@ -21,6 +27,11 @@ def opens(path: Path) -> bool:
 
 def open_raw(path: Path) -> xr.Dataset:
     """Open lazily, undecoded.
+
+    Parameters
+    ----------
+    path : Path
+        The folder or zip file.
 
     Raises
     ------

@@ -82,18 +82,36 @@ class OpenIce:
     terms: Columns = field(default_factory=dict)
 
     def some(self, rows: Index | Flags) -> OpenIce:
-        """Ice of some of the cells."""
+        """Ice of some of the cells.
+
+        Parameters
+        ----------
+        rows : ndarray or ndarray
+            Of the cells, (k,).
+        """
         columns = {name: value[rows] for name, value in self.columns.items()}
         return OpenIce(self.cells[rows], self.area[rows], columns, self.shares)
 
     def matrix(self, count: int) -> sparse.csr_array:
-        """Cells of the rows, (k, count)."""
+        """Cells of the rows, (k, count).
+
+        Parameters
+        ----------
+        count : int
+            Number of cells of the sea.
+        """
         k = len(self.cells)
         return sparse.csr_array((np.ones(k), (np.arange(k), self.cells)), shape=(k, count))
 
 
 def icy(found: OpenIce) -> OpenIce:
-    """The cells in which there is any ice."""
+    """The cells in which there is any ice.
+
+    Parameters
+    ----------
+    found : OpenIce
+        New ice by cell.
+    """
     return found.some(found.columns["ice_volume"].sum(axis=1) > 0.0)
 
 

@@ -105,13 +105,19 @@ def returned_ice(
 
 
 def join_returned(parts: Sequence[Returned]) -> Returned:
-    """All of them behind each other."""
+    """All of them behind each other.
+
+    Parameters
+    ----------
+    parts : sequence of Returned
+        Of several elements or ranks.
+    """
     names = [field.name for field in fields(Returned)]
     return Returned(*(np.concatenate([getattr(each, name) for each in parts]) for name in names))
 
 
 def dissolve(water: Water, columns: Columns, area: Array, share: object) -> tuple[Water, Terms]:
-    """Let ice and snow of columns melt into the sea, which pays for it.
+    """Let ice and snow of columns melt into the sea, which gives the heat.
 
     Parameters
     ----------

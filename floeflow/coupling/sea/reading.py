@@ -34,12 +34,24 @@ SEA_FIELDS = (
 
 
 def sea_path(scene: Scene) -> Path:
-    """File that holds the sea at the start."""
+    """File that holds the sea at the start.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return Path(scene.sea.file or scene.mask.file)
 
 
 def sea_hints(scene: Scene) -> Hints:
-    """What the scene says of that file: where it is the mask's, its projection."""
+    """What the scene says of that file: where it is the mask's, its projection.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return Hints("mask", "" if scene.sea.file else scene.mask.crs)
 
 
@@ -196,6 +208,11 @@ def with_sea(scene: Scene, mask: xr.Dataset) -> xr.Dataset:
 
 def check_sea_file(scene: Scene) -> None:
     """Refuse a file of the sea that the scene's mixed layer could not start from.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
 
     Raises
     ------

@@ -55,7 +55,13 @@ class Shares:
         return np.maximum(self.sea - self.claimed, 0.0)
 
     def read(self, field: Array) -> Array:
-        """Mean of a field of the sea below the elements, (n,)."""
+        """Mean of a field of the sea below the elements, (n,).
+
+        Parameters
+        ----------
+        field : ndarray
+            (cells,), in any unit.
+        """
         return np.asarray(self.matrix @ field)
 
     def read_stock(self, stock: Array) -> Array:
@@ -63,13 +69,24 @@ class Shares:
 
         Where elements overlap, more area is dealt to a cell than it has sea: they share its stock,
         so that together they never see more than there is.
+
+        Parameters
+        ----------
+        stock : ndarray
+            Per m2 of sea, (cells,).
         """
         crowded = np.maximum(self.claimed, self.sea)
         part = np.divide(self.sea, crowded, out=np.ones_like(crowded), where=crowded > 0.0)
         return np.asarray(self.matrix @ (stock * part))
 
     def give(self, amount: Array) -> Array:
-        """Amounts of the elements, (n,), in the cells, (cells,); their sums are the same."""
+        """Amounts of the elements, (n,), in the cells, (cells,); their sums are the same.
+
+        Parameters
+        ----------
+        amount : ndarray
+            (n,), in any unit.
+        """
         return np.asarray(self.matrix.T @ amount)
 
 

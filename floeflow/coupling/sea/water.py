@@ -80,7 +80,13 @@ class Water:
 
 
 def heat_capacity(settings: Settings) -> float:
-    """Heat that warms the mixed layer by one kelvin (J/m2/K)."""
+    """Heat that warms the mixed layer by one kelvin (J/m2/K).
+
+    Parameters
+    ----------
+    settings : Settings
+        What the column is asked for.
+    """
     return OCEAN.heat_water * OCEAN.water_density * settings.mixed_layer_depth
 
 

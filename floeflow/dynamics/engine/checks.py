@@ -14,7 +14,18 @@ _NUMBERS = ("x", "y", "theta", "u", "v", "omega", "radius", "mass", "thickness",
 
 
 def check_elements(elements: Arrays) -> None:
-    """Refuse elements that are not finite, not positive where they must be, or not in order."""
+    """Refuse elements that are not finite, not positive where they must be, or not in order.
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+
+    Raises
+    ------
+    FloeError
+        Names the first element at fault and its value.
+    """
     ids = np.asarray(elements["id"])
     if len(ids) == 0:
         raise FloeError("There are no elements.")

@@ -27,22 +27,46 @@ STILL = 1.0e-4
 
 
 def stored_energy(sums: Mapping[str, float]) -> float:
-    """Kinetic and elastic energy of now, J, from `Engine.diagnostics`."""
+    """Kinetic and elastic energy of now, J, from `Engine.diagnostics`.
+
+    Parameters
+    ----------
+    sums : mapping of float
+        By name (J, kg m/s).
+    """
     return sum(sums[name] for name in STORES)
 
 
 def external_work(sums: Mapping[str, float]) -> float:
-    """Work of wind, water and walls since `load`, J."""
+    """Work of wind, water and walls since `load`, J.
+
+    Parameters
+    ----------
+    sums : mapping of float
+        By name (J, kg m/s).
+    """
     return sum(value for name, value in sums.items() if is_external(name))
 
 
 def is_external(name: str) -> bool:
-    """Whether a sum of `Engine.diagnostics` is a work of wind, water or walls."""
+    """Whether a sum of `Engine.diagnostics` is a work of wind, water or walls.
+
+    Parameters
+    ----------
+    name : str
+        Of the sum.
+    """
     return name.startswith("work_") and name not in INTERNAL
 
 
 def lost_energy(sums: Mapping[str, float]) -> float:
-    """Energy dissipated since `load`, J: damping, friction, fracture, ridging."""
+    """Energy dissipated since `load`, J: damping, friction, fracture, ridging.
+
+    Parameters
+    ----------
+    sums : mapping of float
+        By name (J, kg m/s).
+    """
     return sum(value for name, value in sums.items() if name.startswith("dissipation_"))
 
 

@@ -191,6 +191,11 @@ class Engine:
     def remove(self, ids: np.ndarray) -> None:
         """Take elements out, with their bonds and contacts; what `diagnostics` adds up starts anew.
 
+        Parameters
+        ----------
+        ids : ndarray
+            Of the elements, (m,).
+
         Raises
         ------
         FloeError
@@ -202,6 +207,11 @@ class Engine:
 
     def set_forcing(self, forcing: Forcing) -> None:
         """Hand over the forcing of the coming steps; needs a loaded state.
+
+        Parameters
+        ----------
+        forcing : Forcing
+            Fields on a grid.
 
         Raises
         ------
@@ -225,6 +235,11 @@ class Engine:
 
     def run(self, steps: int) -> None:
         """Advance by a number of steps. Cutting a run into several calls changes no bit.
+
+        Parameters
+        ----------
+        steps : int
+            Their number.
 
         Raises
         ------

@@ -7,7 +7,13 @@ from pathlib import Path
 
 
 def log_tail(log: Path) -> str:
-    """Last five lines of a log, to stand behind a sentence; empty where there is none."""
+    """Last five lines of a log, to stand behind a sentence; empty where there is none.
+
+    Parameters
+    ----------
+    log : Path
+        LIGGGHTS' log.
+    """
     try:
         tail = log.read_text(errors="replace").splitlines()[-5:]
     except OSError:
@@ -16,7 +22,13 @@ def log_tail(log: Path) -> str:
 
 
 def open_fault(log: Path) -> str | None:
-    """Why a log cannot be written; None if it can."""
+    """Why a log cannot be written; None if it can.
+
+    Parameters
+    ----------
+    log : Path
+        LIGGGHTS' log.
+    """
     try:
         log.open("a").close()
     except OSError as error:

@@ -182,7 +182,18 @@ class EngineParams:
         return self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
     def bond_strength(self, thickness: np.ndarray) -> np.ndarray:
-        """Compressive strength of bonds of a thickness (m), Pa (Kovacs & Sodhi, if chosen)."""
+        """Compressive strength of bonds of a thickness (m), Pa (Kovacs & Sodhi, if chosen).
+
+        Parameters
+        ----------
+        thickness : ndarray
+            Of the bonds (m), (n,).
+
+        Returns
+        -------
+        ndarray
+            Pa, (n,).
+        """
         if self.strength == "kovacs_sodhi":
             return 1285.0e3 * np.asarray(thickness) ** (2.0 / 3.0)
         return np.full(np.shape(thickness), self.compressive_strength)
@@ -207,7 +218,13 @@ class EngineParams:
         return tuple(sorted(names))
 
     def pair_style(self, reach: float) -> str:
-        """LIGGGHTS command that sets the pair style up."""
+        """LIGGGHTS command that sets the pair style up.
+
+        Parameters
+        ----------
+        reach : float
+            Distance up to which neighbours are kept (m).
+        """
         strength = (
             "kovacs_sodhi" if self.strength == "kovacs_sodhi" else repr(self.compressive_strength)
         )
@@ -280,6 +297,11 @@ class Forcing:
 
     def packed(self, needed: tuple[str, ...]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Arrays for the plugin: velocities (nt, ny, nx, 4) and what is `STEADY`, (ny, nx) each.
+
+        Parameters
+        ----------
+        needed : tuple of str
+            Names of the fields that the switches read.
 
         Raises
         ------

@@ -88,7 +88,13 @@ def set_walls(library: ctypes.CDLL, instance: ctypes.c_void_p, faces: Arrays) ->
 
 
 def count_walls(faces: Arrays) -> int:
-    """How many walls the faces belong to."""
+    """How many walls the faces belong to.
+
+    Parameters
+    ----------
+    faces : Arrays
+        Table of faces.
+    """
     return int(faces["wall"].max(initial=-1)) + 1
 
 

@@ -66,7 +66,13 @@ def merge_targets(state: xr.Dataset, share: float) -> Index:
 
 
 def into_roots(into: Index) -> Index:
-    """Rows of the elements in which chains of joining elements end, (n,)."""
+    """Rows of the elements in which chains of joining elements end, (n,).
+
+    Parameters
+    ----------
+    into : ndarray
+        Row of the element that each joins, its own where it stays, (n,).
+    """
     while not np.array_equal(into, into[into]):
         into = into[into]
     return into

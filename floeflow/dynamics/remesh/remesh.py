@@ -75,7 +75,13 @@ def _terms(scene: Scene, before: xr.Dataset, after: xr.Dataset, kind: str) -> Te
 
 
 def may_merge(scene: Scene) -> bool:
-    """Whether elements may join others: where they are asked to, and where ridges use them up."""
+    """Whether elements may join others: where they are asked to, and where ridges use them up.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     return bool({"merge", "ridging"} & set(scene.effects))
 
 

@@ -80,7 +80,18 @@ class Groups:
         return out
 
     def sum(self, rows: Array) -> Array:
-        """Sum of each group."""
+        """Sum of each group.
+
+        Parameters
+        ----------
+        rows : ndarray
+            Values of the rows, (m, ...).
+
+        Returns
+        -------
+        ndarray
+            (groups, ...).
+        """
         return self.reduce(np.add, rows, 0.0)
 
 
@@ -95,7 +106,13 @@ class Stencil:
 
 
 def make_stencil(centre: Array) -> Stencil:
-    """Neighbours of elements with these centres (m), (n, 2)."""
+    """Neighbours of elements with these centres (m), (n, 2).
+
+    Parameters
+    ----------
+    centre : ndarray
+        m, (n, 2).
+    """
     count = min(NEIGHBOURS + 1, len(centre))
     row = cKDTree(centre).query(centre, k=count)[1].reshape(len(centre), count)[:, 1:]
     away = centre[row] - centre[:, None, :]

@@ -114,7 +114,13 @@ def kept_pairs(table: Arrays, ids: Index, names: Index) -> Arrays:
 
 
 def joined_pairs(tables: list[Arrays]) -> Arrays:
-    """Pairs of several tables of the same columns, sorted."""
+    """Pairs of several tables of the same columns, sorted.
+
+    Parameters
+    ----------
+    tables : list of Arrays
+        Bond or contact tables.
+    """
     joined = {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
     order = np.lexsort((joined["id_hi"], joined["id_lo"]))
     return {name: values[order] for name, values in joined.items()}

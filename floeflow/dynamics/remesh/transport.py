@@ -63,7 +63,13 @@ def sequence(names: set[str], rules: Rules) -> list[str]:
 
 
 def is_share(rule: Variable) -> bool:
-    """Whether a variable's categories are shares of one area, which together stay under one."""
+    """Whether a variable's categories are shares of one area, which together stay under one.
+
+    Parameters
+    ----------
+    rule : Variable
+        Of the state's schema.
+    """
     return rule.of == "area" and "category" in rule.dims
 
 
@@ -94,7 +100,13 @@ def amounts(values: Mapping[str, Array], rules: Rules = VARIABLES) -> dict[str, 
 
 
 def mass(found: Mapping[str, Array]) -> Array:
-    """Mass (kg) from the amounts of ice and snow, (n,)."""
+    """Mass (kg) from the amounts of ice and snow, (n,).
+
+    Parameters
+    ----------
+    found : mapping of ndarray
+        Ice and snow (m3) by element, (n, ncat) each.
+    """
     parts = [
         density * found[name].sum(axis=1) for name, density in MASS_OF.items() if name in found
     ]

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from floeflow.core.period import apart, distances_of, period_of, tree_of, wrapped
-from floeflow.dynamics.ridging.closing import centre_shifts
+from floeflow.dynamics.ridging.centre_shifts import centre_shifts
 from floeflow.dynamics.ridging.walls import shift_wall_contacts
 from floeflow.state.bonds import Arrays, element_rows
 from floeflow.state.elements import element_arrays

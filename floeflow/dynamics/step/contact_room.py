@@ -182,7 +182,12 @@ def _rooms(discs: _Discs, listed: _Neighbours, params: EngineParams) -> Array:
 
 
 @njit(cache=True)
-def _full_turns(discs, listed, laws, caps):  # type: ignore[no-untyped-def]
+def _full_turns(
+    discs: np.ndarray,
+    listed: _Neighbours,
+    laws: tuple[float, float],
+    caps: tuple[float, float],
+) -> np.ndarray:
     per_step, walled = caps
     rows, start, neighbour, touching, single = listed
     modulus, share_damped = laws
@@ -242,7 +247,7 @@ def _full_turns(discs, listed, laws, caps):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _once(q, value, over, wall):  # type: ignore[no-untyped-def]
+def _once(q: np.ndarray, value: np.ndarray, over: np.ndarray, wall: float) -> float:
     """Most that neighbours add up to of which each is there once; walls as many as find room.
 
     Beside the next one in the row a neighbour takes no less of the full turn than beside the
@@ -263,7 +268,13 @@ def _once(q, value, over, wall):  # type: ignore[no-untyped-def]
 
 
 def element_kinds(elements: Arrays) -> Kinds:
-    """Each element on its own where there are few, else classes of like radius and thickness."""
+    """Each element on its own where there are few, else classes of like radius and thickness.
+
+    Parameters
+    ----------
+    elements : Arrays
+        Table of n elements, sorted by id.
+    """
     inverse = np.where(np.asarray(elements["type"]) == FIXED, 0.0, 1.0 / elements["mass"])
     radius, thickness = (np.asarray(elements[name], float) for name in ("radius", "thickness"))
     of, n = np.arange(len(radius)), len(radius)

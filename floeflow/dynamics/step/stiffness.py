@@ -40,7 +40,13 @@ class Stiffness:
     damped_per_step: np.ndarray
 
     def damped(self, step: float) -> np.ndarray:
-        """Contacts' damping times a step (s), shape (3 n,)."""
+        """Contacts' damping times a step (s), shape (3 n,).
+
+        Parameters
+        ----------
+        step : float
+            s.
+        """
         return np.asarray(np.minimum(step * self.contact_damping, self.damped_per_step))
 
 
@@ -51,7 +57,7 @@ def pack_stiffness(
 
     Bonds are there as a network, whole where they are cracked. Contacts are not known beforehand:
     the most that finds room around an element beside its bonds stands on the diagonal
-    (`contactroom.py`).
+    (`contact_room.py`).
 
     Parameters
     ----------

@@ -41,13 +41,34 @@ WATER_HEAT = 4218.0 * 1026.0  # J/m3/K
 
 
 def sea_temperature(lon: Array, lat: Array, days: Array) -> Array:
-    """K, (times, places); at least the freezing point of the tables."""
+    """K, (times, places); at least the freezing point of the tables.
+
+    Parameters
+    ----------
+    lon : ndarray
+        Degrees, (places,).
+    lat : ndarray
+        Degrees, (places,).
+    days : ndarray
+        Of the year, from 0, (times,).
+    """
     found = station_field(lon, lat, tables.SEA_NORTH, tables.SEA_SOUTH, days) + ZERO_CELSIUS
     return np.maximum(found, COLDEST)
 
 
 def warmth(temperature: Array) -> Array:
-    """0 where the sea is at its freezing point, rising to 1 where it is open."""
+    """0 where the sea is at its freezing point, rising to 1 where it is open.
+
+    Parameters
+    ----------
+    temperature : ndarray
+        Of the sea (K), any shape.
+
+    Returns
+    -------
+    ndarray
+        0 to 1, of that shape.
+    """
     part = np.clip((temperature - COLDEST) / OPEN, 0.0, 1.0)
     return np.asarray(part * part * (3.0 - 2.0 * part))
 
@@ -65,7 +86,20 @@ class Weather:
 
 
 def surface_gain(sea: Array, air: Weather) -> Array:
-    """Heat into open water (W/m2)."""
+    """Heat into open water (W/m2).
+
+    Parameters
+    ----------
+    sea : ndarray
+        Temperature of the sea (K), (times, places).
+    air : Weather
+        Air above it, (times, places) each.
+
+    Returns
+    -------
+    ndarray
+        W/m2, (times, places).
+    """
     vapour = 610.78 * np.exp(17.2693882 * (sea - 273.16) / (sea - 35.86))
     saturated = 0.98 * 0.622 * vapour / (air.pressure - 0.378 * vapour)
     exchange = AIR_DENSITY * TRANSFER * air.wind
@@ -75,7 +109,15 @@ def surface_gain(sea: Array, air: Weather) -> Array:
 
 
 def open_all_year(lon: Array, lat: Array) -> Array:
-    """1 where the tables have warm water in every month, 0 where it freezes in some, (places,)."""
+    """1 where the tables have warm water in every month, 0 where it freezes in some, (places,).
+
+    Parameters
+    ----------
+    lon : ndarray
+        Degrees, (places,).
+    lat : ndarray
+        Degrees, (places,).
+    """
     above = sea_temperature(lon, lat, MIDDLES).min(axis=0) - COLDEST
     part = np.clip((above - EDGE[0]) / (EDGE[1] - EDGE[0]), 0.0, 1.0)
     return np.asarray(part * part * (3.0 - 2.0 * part))
@@ -156,7 +198,15 @@ PIECE = 0.01
 
 
 def currents(lon: Array, lat: Array) -> tuple[Array, Array]:
-    """Steady current towards east and north (m/s), (places,) each."""
+    """Steady current towards east and north (m/s), (places,) each.
+
+    Parameters
+    ----------
+    lon : ndarray
+        Degrees, (places,).
+    lat : ndarray
+        Degrees, (places,).
+    """
     northern = bool(lat.mean() > 0)
     here, (east, north) = unit(lon, lat), east_north(lon, lat)
     flow = np.zeros_like(here)

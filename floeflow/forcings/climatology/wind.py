@@ -77,18 +77,54 @@ class Storm:
     width: float
 
     def strength(self, day: float) -> float:
-        """Share of its depth that it has."""
+        """Share of its depth that it has.
+
+        Parameters
+        ----------
+        day : float
+            Since 1 January 2000.
+
+        Returns
+        -------
+        float
+            0 to 1.
+        """
         age = (day - self.birth) / self.life
         return float(np.sin(np.pi * age) ** 2) if 0.0 < age < 1.0 else 0.0
 
     def centre(self, day: float) -> Array:
-        """Unit vector of its centre, which moves on a great circle."""
+        """Unit vector of its centre, which moves on a great circle.
+
+        Parameters
+        ----------
+        day : float
+            Since 1 January 2000.
+
+        Returns
+        -------
+        ndarray
+            (3,).
+        """
         angle = self.speed * (day - self.birth) * 86400.0 / EARTH_RADIUS
         return np.asarray(np.cos(angle) * self.start + np.sin(angle) * self.way)
 
 
 def storms(seed: int, first: float, last: float, northern: bool, storminess: float) -> list[Storm]:
-    """Storms that live at some time between two days (since 1 January 2000)."""
+    """Storms that live at some time between two days (since 1 January 2000).
+
+    Parameters
+    ----------
+    seed : int
+        Of the random numbers.
+    first : float
+        Days since 1 January 2000.
+    last : float
+        Days since 1 January 2000.
+    northern : bool
+        Whether those of the northern hemisphere are wanted, else of the southern.
+    storminess : float
+        Factor on their number (1).
+    """
     found = []
     begin = int(np.floor((first - LONGEST_LIFE) / BLOCK))
     for block in range(begin, int(np.floor(last / BLOCK)) + 1):

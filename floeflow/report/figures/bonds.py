@@ -36,7 +36,13 @@ def glue_lines(bonds: xr.Dataset, state: xr.Dataset) -> np.ndarray:
 
 
 def follows_start(last: xr.Dataset) -> bool:
-    """Whether bonds of the start can be found in a last state: a remap makes all elements anew."""
+    """Whether bonds of the start can be found in a last state: a remap makes all elements anew.
+
+    Parameters
+    ----------
+    last : xarray.Dataset
+        Last state or snapshot.
+    """
     return "remap" not in str(last.attrs["effects"]).split()
 
 

@@ -14,7 +14,18 @@ from floeflow.report.figures.style import BLUE, FAINT, INK, VERMILION, look, new
 
 
 def floe_figures(data: xr.Dataset) -> Iterator[tuple[str, str, Figure]]:
-    """Draw the floes of start and end, as far as the run resolves them."""
+    """Draw the floes of start and end, as far as the run resolves them.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of ``diagnostics.nc``.
+
+    Returns
+    -------
+    iterator of tuple
+        Name, caption and figure.
+    """
     for word in ("start", "end"):
         name = f"floe_diameter_{word}"
         if name in data:

@@ -49,7 +49,13 @@ class Frame:
         return left, right, bottom, top
 
     def size(self, width: float) -> tuple[float, float]:
-        """Width and height (inches) of a figure whose map fills it beside a colour bar."""
+        """Width and height (inches) of a figure whose map fills it beside a colour bar.
+
+        Parameters
+        ----------
+        width : float
+            Of the figure (inches).
+        """
         left, right, bottom, top = self.extent
         aspect = (top - bottom) / (right - left)
         return width, float(np.clip(0.72 * width * aspect + 0.75, 2.4, 1.6 * width))
@@ -177,6 +183,11 @@ def graticule_lines(
     """Parallels and meridians (km, NaN outside of the map), and labels with their places (km).
 
     A label stands where its line meets the map's edge first; labels that would touch are left out.
+
+    Parameters
+    ----------
+    frame : Frame
+        Projection and extent of the map.
     """
     left, right, bottom, top = frame.extent
     lines: list[tuple[np.ndarray, np.ndarray]] = []

@@ -215,7 +215,13 @@ def add_colour_bar(
 
 
 def say_no_ice(axes: Axes) -> None:
-    """Write it across the map."""
+    """Write it across the map.
+
+    Parameters
+    ----------
+    axes : Axes
+        Of the map.
+    """
     axes.text(
         0.5,
         0.5,

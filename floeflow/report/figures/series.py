@@ -35,13 +35,27 @@ WALL_STYLES = tuple(
 
 
 def pick_unit(units: tuple[tuple[float, str], ...], *values: np.ndarray) -> tuple[float, str]:
-    """The largest unit of which the largest value holds at least one; else the smallest unit."""
+    """The largest unit of which the largest value holds at least one; else the smallest unit.
+
+    Parameters
+    ----------
+    units : tuple of tuple of float and str
+        Size of each unit and its name, the largest first.
+    *values : ndarray
+        In the smallest unit.
+    """
     largest = max((float(np.nanmax(np.abs(v))) for v in values if np.isfinite(v).any()), default=0)
     return next((unit for unit in units if largest >= unit[0]), units[-1])
 
 
 def time_axis(seconds: float) -> tuple[float, str]:
-    """Seconds per unit, and the unit, in which a run of this length is best told."""
+    """Seconds per unit, and the unit, in which a run of this length is best told.
+
+    Parameters
+    ----------
+    seconds : float
+        Length of the run.
+    """
     if seconds >= 2 * 86400.0:
         return 86400.0, "days"
     return (3600.0, "hours") if seconds >= 7200.0 else (60.0, "minutes")
@@ -158,13 +172,13 @@ def _figure(x_label: str, y_label: str, lines: list[Line]) -> Figure:
             axes.plot(x, y, plain, color=colour, label=label, markersize=3.5)
         axes.set_xlabel(x_label)
         axes.set_ylabel(y_label)
-        _tidy(axes, [np.asarray(line[1], dtype=float) for line in lines])
+        _style_axes(axes, [np.asarray(line[1], dtype=float) for line in lines])
         if len(lines) > 1:
             figure.legend(loc="outside upper right", ncols=2, fontsize=8.5)
     return figure
 
 
-def _tidy(axes: Axes, values: list[np.ndarray]) -> None:
+def _style_axes(axes: Axes, values: list[np.ndarray]) -> None:
     axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(x=0.01)

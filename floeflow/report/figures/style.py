@@ -163,7 +163,13 @@ def write_png(figure: Figure, path: Path, dpi: int) -> bytes:
 
 
 def as_svg(figure: Figure) -> bytes:
-    """A figure as SVG without a date."""
+    """A figure as SVG without a date.
+
+    Parameters
+    ----------
+    figure : Figure
+        That is drawn.
+    """
     buffer = io.BytesIO()
     with look():
         plain_ticks(figure)

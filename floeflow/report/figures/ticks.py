@@ -17,7 +17,13 @@ _RAISED = str.maketrans("-\N{MINUS SIGN}+0123456789", "⁻⁻⁺⁰¹²³⁴⁵�
 
 
 def plain(text: str) -> str:
-    r"""What Matplotlib's tick labels say in TeX, such as $2\times10^{-3}$, in letters: 2×10⁻³."""
+    r"""What Matplotlib's tick labels say in TeX, such as $2\times10^{-3}$, in letters: 2×10⁻³.
+
+    Parameters
+    ----------
+    text : str
+        A tick's label.
+    """
     if "$" not in text:
         return text
     text = text.replace("$", "").replace(r"\times", "×")
@@ -52,7 +58,13 @@ PLAIN: dict[type[Formatter], type[Any]] = {
 
 
 def plain_ticks(figure: Figure) -> None:
-    """Let axes label their ticks in letters, where their formatter is one of Matplotlib's own."""
+    """Let axes label their ticks in letters, where their formatter is one of Matplotlib's own.
+
+    Parameters
+    ----------
+    figure : Figure
+        That is drawn.
+    """
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             for kind in ("major", "minor"):

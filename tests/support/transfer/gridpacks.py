@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from floeflow.transfer import ROOM, Field, Grid, build_remapper, carry, open_room
+from floeflow.transfer import ROOM, Field, Grid, build_remapper, conservative_transfer, open_room
 
 DISPLACEMENT = 0.25
 FIELDS = (Field("area", "extensive", ROOM), Field("f", "intensive", "area"))
@@ -72,7 +72,7 @@ def convergence(
             remapper = build_remapper(x, y, {"area": area}, room)
             for k in (1, 2):
                 own, exact = waves(k, x, y), waves(k, node_x, node_y)
-                carried = carry(FIELDS, {"area": area, "f": own}, remapper)
+                carried = conservative_transfer(FIELDS, {"area": area, "f": own}, remapper)
                 assert not carried.infeasible or cover == 1.0
                 for name, values in (
                     ("averaged", remapper.weights["area"].apply(own)),

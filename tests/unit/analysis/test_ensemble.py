@@ -20,7 +20,7 @@ from floeflow.analysis.studies.ensemble_plan import (
     MEMBERS,
     ensemble_variants,
     nudges,
-    settings,
+    seen_settings,
     tried_levels,
 )
 from floeflow.analysis.studies.ensemble_statistics import (
@@ -135,7 +135,7 @@ def test_each_setting_is_tried_finer_and_coarser():
     names = [variant.name for variant in ensemble_variants(scene)]
     assert names[:2] == [BASE, AGAIN] and len(set(names)) == len(names)
     assert not any(name.startswith("grid_transfer") for name in names)
-    softness = next(knob for knob in settings(scene) if knob.name == "softness")
+    softness = next(setting for setting in seen_settings(scene) if setting.name == "softness")
     assert tried_levels(softness) == [0.25, 4, 64]
     # Finer elements are in no run that changes all settings.
     fine = next(v for v in ensemble_variants(scene) if v.name == "all-fine")

@@ -25,7 +25,7 @@ from floeflow.core.errors import FloeError
 from floeflow.core.grids import scene_crs, to_lonlat
 from floeflow.diagnostics.diagnostics import diagnose, write_json
 from floeflow.diagnostics.followed import frame_of
-from floeflow.diagnostics.study_summaries import read_digest, valid_digests
+from floeflow.diagnostics.study_summaries import read_summary, valid_summaries
 from floeflow.scene.hashes import stage_hash
 from floeflow.state import read_state, write_dataset
 from support.synthetic import WINDOW, Run, make_run
@@ -179,8 +179,8 @@ def test_a_run_agrees_with_what_was_made_from_it(compared: tuple[Run, str]):
 def test_the_report_finds_the_comparison(compared: tuple[Run, str]):
     run, _ = compared
     keys = "-".join(stage_hash(run.scene, stage) for stage in STAGES)
-    (path,) = valid_digests(run.folder, keys)
-    digest = read_digest(Path(path))
+    (path,) = valid_summaries(run.folder, keys)
+    digest = read_summary(Path(path))
     titles = [table["title"] for table in digest["tables"]]
     assert titles == ["Drift error against lead time", "Runs side by side"]
     assert {drawing["name"] for drawing in digest["drawings"]} == {

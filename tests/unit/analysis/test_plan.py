@@ -27,13 +27,13 @@ from floeflow.analysis.plan.pack import fitted_to_pack
 from floeflow.analysis.plan.precision import (
     ErrorModel,
     error_model,
-    knob_errors,
     resolutions,
+    setting_errors,
     total_error,
 )
 from floeflow.analysis.plan.propose import adjusted, for_budget, for_error, parse_budget, proposals
 from floeflow.analysis.plan.refit import held_out, refit
-from floeflow.analysis.studies.knobs import knobs
+from floeflow.analysis.studies.numerical_settings import numerical_settings
 from floeflow.analysis.studies.variants import changed
 from floeflow.core.errors import FloeError
 from floeflow.core.records import WINDOW_CPU
@@ -86,13 +86,13 @@ def test_budgets_are_times():
 
 
 def test_finer_settings_have_smaller_errors(scene: Scene, c: Conditions):
-    for knob in resolutions(scene, c):
-        assert resolutions(scene, c)[knob] > 0
+    for setting in resolutions(scene, c):
+        assert resolutions(scene, c)[setting] > 0
     share = 0.25 * scene.dynamics.step_share
     fine = scene.model_copy(
         update={"dynamics": scene.dynamics.model_copy(update={"step_share": share})}
     )
-    one, two = (knob_errors(s, c, MODEL)["step_share"]["drift"] for s in (scene, fine))
+    one, two = (setting_errors(s, c, MODEL)["step_share"]["drift"] for s in (scene, fine))
     assert two == pytest.approx(one / 4)
     assert total_error({"a": {"drift": 0.3}, "b": {"drift": 0.4}}) == pytest.approx(0.5)
     assert total_error({"a": {"drift": 0.3}, "b": {"drift": 0.4}}, but=("b",)) == 0.3
@@ -245,19 +245,19 @@ def test_reports_and_grids_are_timed_by_whole_runs(tmp_path: Path):
 
 
 def made_study(scene: Scene, laws: dict[str, float], ways: dict[str, float]) -> Study:
-    """A study whose knobs' errors in volume are factor x level or, for ways, as given."""
+    """A study whose settings' errors in volume are factor x level or, for ways, as given."""
     rows = []
-    for knob in knobs(scene):
-        for level in knob.levels:
-            if knob.ways:
-                error = ways.get(knob.told(level), 0.0)
+    for setting in numerical_settings(scene):
+        for level in setting.levels:
+            if setting.ways:
+                error = ways.get(setting.told(level), 0.0)
             else:
-                error = laws.get(knob.name, 0.0) * level
-            rows.append((knob.name, level, error))
+                error = laws.get(setting.name, 0.0) * level
+            rows.append((setting.name, level, error))
     names, levels, errors = zip(*rows, strict=True)
     runs = xr.Dataset(
         {
-            "knob": ("point", np.array(names)),
+            "setting": ("point", np.array(names)),
             "level": ("point", np.array(levels)),
             "stable": ("point", np.ones(len(rows), np.int8)),
             "error": (("point", "norm"), np.array(errors)[:, None] * [0.0, 1.0, 0.0]),
@@ -288,7 +288,7 @@ def test_a_choice_has_its_own_error_and_the_best_has_none(scene: Scene, c: Condi
     def error(scheme: str) -> float:
         column = scene.column.model_copy(update={"scheme": scheme})
         other = scene.model_copy(update={"column": column})
-        return knob_errors(other, c, MODEL)["column_scheme"].get("volume", 0.0)
+        return setting_errors(other, c, MODEL)["column_scheme"].get("volume", 0.0)
 
     assert [error(name) for name in ("mushy", "bl99", "zero_layer")] == [0.0, 0.1, 0.2]
 

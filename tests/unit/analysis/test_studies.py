@@ -28,12 +28,12 @@ from floeflow.analysis.studies.accuracy_table import (
     as_dataset,
     pareto,
 )
-from floeflow.analysis.studies.knobs import knobs
 from floeflow.analysis.studies.measures import KEPT, NORMS
+from floeflow.analysis.studies.numerical_settings import numerical_settings
 from floeflow.analysis.studies.orders import observed_order, with_tail
 from floeflow.analysis.studies.outcome import read_outcome
 from floeflow.analysis.studies.plans import STUDIES, study_variants
-from floeflow.analysis.studies.recommend import most_accurate, quieted, recommend, settings
+from floeflow.analysis.studies.recommend import combinations, most_accurate, quieted, recommend
 from floeflow.analysis.studies.run import FASTEST, results_of
 from floeflow.analysis.studies.variants import Variant, changed, run_name, variant_scene
 from floeflow.core.errors import FloeError
@@ -188,13 +188,15 @@ def test_a_series_that_does_not_converge_is_said_to():
 
 
 def points() -> list[Point]:
-    """Two knobs: time step (error and work of order 1), softness that saves little."""
+    """Two settings: time step (error and work of order 1), softness that saves little."""
     found = []
-    for knob, share in (("step_share", 0.1), ("softness", 0.02)):
+    for setting, share in (("step_share", 0.1), ("softness", 0.02)):
         for level in (0.5, 1.0, 2.0):
             errors = {norm: share * level for norm in NORMS}
-            name = "base" if level == 1.0 else f"{knob}-{level:g}"
-            found.append(Point(name, knob, level, 1 / level, 1.0, 1 / level, True, errors, errors))
+            name = "base" if level == 1.0 else f"{setting}-{level:g}"
+            found.append(
+                Point(name, setting, level, 1 / level, 1.0, 1 / level, True, errors, errors)
+            )
     found.append(Point("soft", "softness", 64.0, 0.1, 1.0, 0.1, False, {}, {}))
     whole = {"drift": 0.12}
     found.append(Point("base", "together", math.nan, 1.0, 1.0, 1.0, True, whole, whole))
@@ -243,7 +245,7 @@ def test_figures_and_tables_of_an_accuracy_study():
     rows = recommendation_table(study, scene).rows
     assert [row[0] for row in rows] == [1.0, 5.0, 20.0] * 2
     assert [row[1] for row in rows] == ["any"] * 3 + ["the scene's"] * 3
-    # 5 % is the finest of either knob; 20 % is had for less than the default's work.
+    # 5 % is the finest of either setting; 20 % is had for less than the default's work.
     assert str(rows[0][2]).startswith("least 5.1") and float(rows[2][3]) < 1.0
 
 
@@ -311,12 +313,12 @@ def test_the_ablation_lays_measured_beside_estimated():
     axes = ablation_figure(study).axes
     assert [t.get_text() for t in axes[0].get_yticklabels()][-1] == "ocean_drag"
     assert np.isfinite(axes[0].get_xlim()).all()
-    json.dumps([knob.name for knob in knobs(scene)])
+    json.dumps([setting.name for setting in numerical_settings(scene)])
 
 
-def test_knobs_that_are_ways_start_from_the_most_accurate():
+def test_settings_that_are_ways_start_from_the_most_accurate():
     scene = load_scene(SMOKE)
-    found = {knob.name: knob for knob in knobs(scene)}
+    found = {setting.name: setting for setting in numerical_settings(scene)}
     assert found["state_precision"].changes(2.0) == {"state.precision": "single"}
     assert found["grid_transfer"].levels == (1.0, 2.0, 4.0, 8.0)
     assert found["grid_transfer"].told(8.0) == "nearest"
@@ -328,7 +330,7 @@ def test_knobs_that_are_ways_start_from_the_most_accurate():
             "remap": scene.remap.model_copy(update={"order": 1}),
         }
     )
-    order = next(knob for knob in knobs(rough) if knob.name == "remap_order")
+    order = next(setting for setting in numerical_settings(rough) if setting.name == "remap_order")
     assert order.levels == (0.5, 1.0) and order.changes(0.5) == {"remap.order": 2}
 
 
@@ -362,13 +364,13 @@ def test_settings_are_those_of_all_combinations_that_nothing_beats():
     rng = np.random.default_rng(4)
     names = ("a", "b", "c")
     runs = [
-        Point(f"{knob}{k}", knob, 2.0**k, work, 1.0, 1.0, True, errors, errors)
-        for knob in names
+        Point(f"{setting}{k}", setting, 2.0**k, work, 1.0, 1.0, True, errors, errors)
+        for setting in names
         for k in range(4)
         for work, *values in [rng.uniform(0.01, 1.0, 1 + len(NORMS)).tolist()]
         for errors in [dict(zip(NORMS, values, strict=True))]
     ]
-    series = [[p for p in runs if p.knob == knob] for knob in names]
+    series = [[p for p in runs if p.setting == setting] for setting in names]
     every = [
         (max(math.hypot(*(p.errors[norm] for p in choice)) for norm in KEPT), choice)
         for choice in itertools.product(*series)
@@ -377,4 +379,4 @@ def test_settings_are_those_of_all_combinations_that_nothing_beats():
         found = recommend(runs, names, target)
         best = min((math.prod(p.work for p in c) for e, c in every if e <= target), default=None)
         assert (found and found.work) == (best and pytest.approx(best))
-    assert len(settings(runs, names)) < len(every)
+    assert len(combinations(runs, names)) < len(every)

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from floeflow.column.initial_columns import first_columns
-from floeflow.column.params import Settings, zero_layer_params
-from floeflow.column.physics import Physics
+from floeflow.column.layered_run import layered_physics
+from floeflow.column.params import Settings, broadband, zero_layer_params
 from floeflow.column.schemes import advance_columns
+from floeflow.column.thermodynamics import surface
+from floeflow.core.constants import ZERO_CELSIUS
 from floeflow.scene.effects import column_variables
 from floeflow.scene.load import build_scene
 from floeflow.scene.physics import ColumnPhysics, unread_keys
@@ -110,13 +112,45 @@ def test_a_key_that_is_not_read_is_told(key: str) -> None:
         assert unread == ([] if name in schemes else [key]), name
 
 
-def test_schemes_share_what_they_have_in_common() -> None:
-    layered, zero = Physics(), zero_layer_params(ZERO)
-    assert layered.emissivity == zero.keys.emissivity
-    assert layered.snow_conductivity == zero.keys.snow_conductivity
-    assert layered.fresh_conductivity == zero.keys.ice_conductivity
-    assert layered.ice_density == zero.ice_density
-    assert layered.fusion == zero.latent_fusion
+# Zero-layer constants under another name or unit than those of layered ice.
+SAME = {
+    "latent_fusion": lambda p: p.fusion,
+    "latent_vapour": lambda p: p.vapour,
+    "freezing_temperature": lambda p: ZERO_CELSIUS - p.melting_slope * ZERO.ocean_salinity,
+    "latent_sublimation": lambda p: p.fusion + p.vapour,
+    "ice_energy": lambda p: p.ice_density * p.fusion,
+    "snow_energy": lambda p: p.snow_density * p.fusion,
+    "melting_temperature": lambda p: ZERO_CELSIUS,
+    "albedo_ice_cold": lambda p: broadband(p.albedo_ice_visible, p.albedo_ice_infrared),
+    "albedo_snow_cold": lambda p: broadband(p.albedo_snow_visible, p.albedo_snow_infrared),
+    "albedo_ice_melting": lambda p: (
+        broadband(p.albedo_ice_visible, p.albedo_ice_infrared) - p.albedo_ice_warming
+    ),
+    "albedo_snow_melting": lambda p: (
+        broadband(p.albedo_snow_visible, p.albedo_snow_infrared)
+        - broadband(p.albedo_snow_visible_warming, p.albedo_snow_infrared_warming)
+    ),
+}
+# What settings hand to either scheme, and what no layered scheme has as a constant.
+OF_SETTINGS = {"new_ice_thickness", "ocean_salinity", "mixed_layer_depth"}
+
+
+def test_zero_layer_ice_has_no_constant_of_its_own() -> None:
+    """All its constants are those of layered ice under the same keys, also under changed ones."""
+    changed = ColumnPhysics(**{key: value for key, (value, _) in CHANGED.items()})
+    for physics in (ColumnPhysics(), changed):
+        layered = layered_physics(replace(BL99, physics=physics))
+        zero = zero_layer_params(replace(ZERO, physics=physics))
+        names = {name for name in dir(zero) if isinstance(getattr(zero, name), float)}
+        assert {"ice_density", "snow_density", "albedo_ramp"} < names - SAME.keys()
+        for name in names - OF_SETTINGS:
+            same = SAME[name](layered) if name in SAME else getattr(layered, name)
+            assert getattr(zero, name) == same, name
+        for key in set(ColumnPhysics.model_fields) & set(layered._fields):
+            assert getattr(zero.keys, key) == getattr(layered, key), key
+        assert layered.fresh_conductivity == zero.keys.ice_conductivity
+    assert layered.stefan_boltzmann == surface.STEFAN_BOLTZMANN
+    assert layered.heat_air == surface.HEAT_AIR
 
 
 def test_a_scene_sets_them() -> None:

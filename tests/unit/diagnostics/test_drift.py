@@ -101,7 +101,7 @@ def test_too_little_to_average_is_refused():
 
 
 def test_the_slow_libraries_are_imported_only_where_they_are_used():
-    """Rules that import these modules for their pure functions do not pay for the libraries."""
+    """Rules that import these modules for their pure functions do not import the libraries."""
     code = (
         "import sys, floeflow.diagnostics.drift, floeflow.diagnostics.trajectory, "
         "floeflow.diagnostics.mesh_series; "

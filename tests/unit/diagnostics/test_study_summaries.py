@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from floeflow.analysis.studies.hard_cases import write_document
 from floeflow.core.errors import FloeError
-from floeflow.diagnostics.study_summaries import read_digest, valid_digests
+from floeflow.diagnostics.study_summaries import read_summary, valid_summaries
 from floeflow.report.study_page import Study, Table, draw, write_study
 
 
@@ -31,22 +31,22 @@ def folder(tmp_path: Path) -> Path:
 
 def test_a_study_of_the_scene_as_it_is_is_shown(folder: Path):
     path = folder / "ablation/digest.json"
-    found = valid_digests(folder, "now")
+    found = valid_summaries(folder, "now")
     assert list(found) == [str(path)]
-    digest = read_digest(path)
+    digest = read_summary(path)
     assert digest["tables"][0]["rows"] == [["wind", "12.3"]]
     assert len(digest["tables"]) == 1  # the others stand on the page alone
     assert "All" in (folder / "ablation.html").read_text()
 
 
 def test_a_study_of_other_keys_is_not(folder: Path):
-    assert valid_digests(folder, "then") == {}
+    assert valid_summaries(folder, "then") == {}
 
 
 def test_hard_cases_hold_for_any_scene(folder: Path):
     path = folder.parent / "stability/digest.json"
     write_study(Study("Hard cases", "", [], [], []), folder / "s.html", path, "")
-    assert str(path) in valid_digests(folder, "then")
+    assert str(path) in valid_summaries(folder, "then")
 
 
 def test_hard_cases_become_a_document(folder: Path):
@@ -62,14 +62,14 @@ def test_hard_cases_become_a_document(folder: Path):
 
 
 def test_a_new_study_changes_what_the_report_depends_on(folder: Path):
-    before = valid_digests(folder, "now")
+    before = valid_summaries(folder, "now")
     path = folder / "ablation/digest.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "lead": "Other."}))
-    after = valid_digests(folder, "now")
+    after = valid_summaries(folder, "now")
     assert before.keys() == after.keys() and before != after
 
 
 @pytest.mark.parametrize("text", ["", "[1]", "{"])
 def test_a_damaged_digest_is_not_shown(folder: Path, text: str):
     (folder / "ablation/digest.json").write_text(text)
-    assert valid_digests(folder, "now") == {}
+    assert valid_summaries(folder, "now") == {}

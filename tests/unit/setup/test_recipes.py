@@ -13,24 +13,21 @@ import numpy as np
 import pytest
 
 from floeflow.analysis.documents import effects_page
-from floeflow.analysis.estimate.conditions import Conditions
-from floeflow.analysis.estimate.dimensionless_numbers import NUMBERS, number_of
+from floeflow.analysis.estimate.dimensionless_numbers import NUMBERS
 from floeflow.column.params import Settings
 from floeflow.column.schemes import SCHEMES, advance_columns
 from floeflow.core import extensions, readers
 from floeflow.core.errors import FloeError
-from floeflow.core.grids import scene_grid
 from floeflow.diagnostics import collect
 from floeflow.diagnostics.diagnostics import diagnose
-from floeflow.dynamics.engine.params import Force
-from floeflow.dynamics.forces import FORCES, force
+from floeflow.dynamics.forces import FORCES
 from floeflow.dynamics.motion import engine_forcing, engine_params
-from floeflow.forcings.fixed_fields import FIXED, fixed
+from floeflow.forcings.fixed_fields import FIXED
 from floeflow.forcings.window import window_forcing
 from floeflow.masks.mask import make_mask
 from floeflow.report import report_figures
-from floeflow.scene import Scene, load_scene, parse_scene, stage_hash
-from floeflow.scene.effects import EFFECTS, Effect, ledger_sums
+from floeflow.scene import load_scene, parse_scene, stage_hash
+from floeflow.scene.effects import EFFECTS, ledger_sums
 from floeflow.workflow.library import library_digest
 from support.synthetic import make_run
 from unit.column.test_schemes import COLD, check, start, weather
@@ -102,39 +99,17 @@ def test_pages_name_what_is_there(project: Path):
     assert "grounding" in EFFECTS
 
 
-SWELL = Effect(
-    name="swell",
-    physics="Swell pushes the ice.",
-    source="a test",
-    needs=("ocean_drag",),
-    plugin=("swell",),
-    ledger=("impulse_swell",),
-    forcing=("wave_height",),
-)
-
-
-def test_an_effect_is_known_everywhere_once_it_is_declared(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_an_effect_from_outside_is_known_everywhere(
+    project: Path, tmp_path: Path, install: Install, monkeypatch: pytest.MonkeyPatch
 ):
     """The registry, a number, a force and its field, as the page says, and nothing else."""
-    monkeypatch.setitem(EFFECTS, "swell", SWELL)
-    for registry in (NUMBERS, FORCES, FIXED):
-        monkeypatch.setitem(registry, "swell", None)  # gone after the test
-        monkeypatch.delitem(registry, "swell")
-    monkeypatch.setitem(FIXED, "wave_height", None)
-
-    @number_of("swell")
-    def number(c: Conditions) -> float:
-        """H / h: height of the waves over the thickness of the ice."""
-        return 2.0 / c.thickness
-
-    @force("swell")
-    def push(scene: Scene) -> Force:
-        return Force("swell", (("swell_drag", 0.1),), ("wave_height",))
-
-    @fixed("wave_height", "m")
-    def height(scene: Scene) -> np.ndarray:
-        return np.full(scene_grid(scene.domain).shape, 2.0)
+    for registry in (EFFECTS, NUMBERS, FORCES, FIXED):
+        for name in ("swell", "wave_height"):
+            monkeypatch.setitem(registry, name, None)  # gone after the test
+            monkeypatch.delitem(registry, name)
+    with pytest.raises(FloeError, match="unknown effect 'swell'"):
+        parse_scene(b"effects: [ocean_drag, swell]", "a")
+    install("my_effects", block(project, "effect"))
 
     text = "effects: [wind, ocean_drag{}]\npacking: {{elements: 100}}\n"
     plain, scene = (parse_scene(text.format(more).encode(), "a") for more in ("", ", swell"))

@@ -14,7 +14,7 @@ from floeflow.transfer import (
     Grid,
     Ranks,
     build_remapper,
-    carry,
+    conservative_transfer,
     curvilinear,
     open_room,
 )
@@ -48,7 +48,7 @@ def carried(x, y, values, target=GRID, reach=1, ranks=None, room=None):
     parents = {name: values[name] for name in ("area", "ice", "volume")}
     room = room or open_room(target, reach=reach)
     remapper = build_remapper(x, y, parents, room, ranks=ranks)
-    return carry(FIELDS, values, remapper, ranks=ranks), remapper
+    return conservative_transfer(FIELDS, values, remapper, ranks=ranks), remapper
 
 
 def check(values, found, remapper):
@@ -196,18 +196,18 @@ def test_wrong_input_is_named():
         Field("thickness", "intensive")
     remapper = build_remapper(x, y, {"area": values["area"]}, open_room(GRID))
     with pytest.raises(FloeError, match="'volume' sits on 'ice', which is no extensive field"):
-        carry(FIELDS[2:3], values, remapper)
+        conservative_transfer(FIELDS[2:3], values, remapper)
     with pytest.raises(FloeError, match="'ice' has no values"):
-        carry(FIELDS[:2], {"area": values["area"]}, remapper)
+        conservative_transfer(FIELDS[:2], {"area": values["area"]}, remapper)
     with pytest.raises(FloeError, match="'volume' is averaged over 'ice', for which there are no"):
-        carry(FIELDS[:3], values, remapper)
+        conservative_transfer(FIELDS[:3], values, remapper)
     values["ice"][3] = np.nan
     with pytest.raises(FloeError, match="ice: remap: it is nan at element 3"):
-        carry(FIELDS[:2], values, remapper)
+        conservative_transfer(FIELDS[:2], values, remapper)
     values["area"][4], values["ice"][3], values["ice"][4] = 0.0, 0.0, 1.0
     with pytest.raises(FloeError, match="element 4 has 1 of 'ice', but no 'area'"):
-        carry(FIELDS[:2], values, remapper)
+        conservative_transfer(FIELDS[:2], values, remapper)
     with pytest.raises(FloeError, match=r"area: remap: it has shape \(2,\)"):
-        carry(FIELDS[:1], {"area": np.ones(2)}, remapper)
+        conservative_transfer(FIELDS[:1], {"area": np.ones(2)}, remapper)
     with pytest.raises(FloeError, match="look like degrees"):
         build_remapper(1e5 * x, 1e5 * y, {}, open_room(GRID))

@@ -205,12 +205,12 @@ def test_what_the_iteration_cannot_do_is_done_and_counted() -> None:
     rescued = sums["rescued"] > 0
     assert 0.05 < rescued.mean() < 0.9
     assert sums["sweeps"].max() < 60
-    # The sure method balances the surface: what it gives off is what the layers conduct to it.
-    sure, _ = step(before, forcing, 3600.0, bounds, P._replace(iterations=0))
+    # The fallback balances the surface: what it gives off is what the layers conduct to it.
+    fallback, _ = step(before, forcing, 3600.0, bounds, P._replace(iterations=0))
     for field in fields(after):
-        same = getattr(after, field.name)[rescued] == getattr(sure, field.name)[rescued]
+        same = getattr(after, field.name)[rescued] == getattr(fallback, field.name)[rescued]
         assert same.all(), field.name
-    sound(sure)
+    sound(fallback)
 
 
 def test_ice_goes_and_comes_back() -> None:

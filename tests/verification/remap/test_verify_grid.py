@@ -17,7 +17,7 @@ from floeflow.transfer import (
     Grid,
     build_remapper,
     build_weights,
-    carry,
+    conservative_transfer,
     open_room,
 )
 from support.transfer.gridpacks import convergence, convergence_figure, displaced, unit_grid
@@ -120,7 +120,7 @@ def test_degenerate_nodes(where, seed, reach):
     rows = np.asarray(weights.matrix.sum(axis=1)).reshape(GRID.shape)
     np.testing.assert_allclose(rows[filled], 1.0, rtol=0, atol=1e-12)
 
-    carried = carry(FIELDS, values, remapper)
+    carried = conservative_transfer(FIELDS, values, remapper)
     grid, on = carried.values, remapper.bins.placed()
     amounts = {**values, "temperature": values["temperature"] * values["volume"]}
     sums = {**grid, "temperature": np.nan_to_num(grid["temperature"]) * grid["volume"]}
@@ -134,5 +134,5 @@ def test_degenerate_nodes(where, seed, reach):
     assert (grid["temperature"][has] >= low[has]).all()
     assert (grid["temperature"][has] <= high[has]).all()
     values["temperature"] = np.full(len(x), -1.8)
-    again = carry(FIELDS, values, remapper).values["temperature"]
+    again = conservative_transfer(FIELDS, values, remapper).values["temperature"]
     np.testing.assert_allclose(again[np.isfinite(again)], -1.8, rtol=1e-14)

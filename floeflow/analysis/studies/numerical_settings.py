@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The knobs by which accuracy is bought: their values from fine to coarse, and what theory expects.
+"""Numerical settings that trade accuracy for time: values from fine to coarse, expected orders.
 
-A level is a factor by which a knob is coarser (above 1) or finer (below 1) than in the scene, so
+A level is a factor by which a setting is coarser (above 1) or finer (below 1) than in the scene, so
 that the error goes as level ** order.
 """
 
@@ -24,8 +24,8 @@ MOST_CATEGORIES = 10
 
 
 @dataclass(frozen=True)
-class Knob:
-    """One knob of a study.
+class Setting:
+    """One setting of a study.
 
     Parameters
     ----------
@@ -51,12 +51,24 @@ class Knob:
     ways: Mapping[float, str] = field(default_factory=dict)
 
     def told(self, level: float) -> str:
-        """A level in words."""
+        """A level in words.
+
+        Parameters
+        ----------
+        level : float
+            Factor by which it is coarser (above 1) or finer than in the scene.
+        """
         return self.ways.get(level, f"x {level:.3g}")
 
 
-def knobs(scene: Scene) -> list[Knob]:
-    """Knobs that act in a scene."""
+def numerical_settings(scene: Scene) -> list[Setting]:
+    """Settings that act in a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its keys.
+    """
     found = [_step(scene), _stiffness(scene), _elements(scene), _window(scene), _spacing(scene)]
     found += [_precision(scene), _transfer(scene)]
     if "thermodynamics" in scene.effects:
@@ -69,32 +81,32 @@ def knobs(scene: Scene) -> list[Knob]:
     return found
 
 
-def _ways(name: str, text: str, key: str, ways: tuple[Any, ...], own: Any) -> Knob:
+def _ways(name: str, text: str, key: str, ways: tuple[Any, ...], own: Any) -> Setting:
     """Ways to do one thing, the most accurate first; factors of two are only their places."""
     levels = tuple(2.0 ** (place - ways.index(own)) for place in range(len(ways)))
     changes = {level: {key: way} for level, way in zip(levels, ways, strict=True)}
     told = {level: str(way) for level, way in zip(levels, ways, strict=True)}
-    return Knob(name, text, None, levels, changes.__getitem__, told)
+    return Setting(name, text, None, levels, changes.__getitem__, told)
 
 
-def _precision(scene: Scene) -> Knob:
+def _precision(scene: Scene) -> Setting:
     """Precision of what a window hands to the next."""
     text, own = "precision of the state between windows", scene.state.precision
     return _ways("state_precision", text, "state.precision", PRECISIONS, own)
 
 
-def _transfer(scene: Scene) -> Knob:
+def _transfer(scene: Scene) -> Setting:
     """Way to the grid: seen by the norms on the grid alone, after the run."""
     text, own = "transfer to the grid", scene.grid.transfer
     return _ways("grid_transfer", text, "grid.transfer", TRANSFERS, own)
 
 
-def _remap_order(scene: Scene) -> Knob:
+def _remap_order(scene: Scene) -> Setting:
     """Linear slopes in the elements, or donor cells."""
     return _ways("remap_order", "order of the remap", "remap.order", (2, 1), scene.remap.order)
 
 
-def _remap(scene: Scene) -> Knob:
+def _remap(scene: Scene) -> Setting:
     """How often elements are replaced by fresh ones."""
     every = max(1, scene.remap.every)
 
@@ -104,10 +116,10 @@ def _remap(scene: Scene) -> Knob:
     fine = [1.0 / n for n in (4, 2) if every % n == 0]
     coarse = [float(n) for n in (2, 4) if n * every <= scene.time.windows]
     text = "windows between remaps"
-    return Knob("remap_interval", text, None, (*fine, 1.0, *coarse), changes)
+    return Setting("remap_interval", text, None, (*fine, 1.0, *coarse), changes)
 
 
-def _step(scene: Scene) -> Knob:
+def _step(scene: Scene) -> Setting:
     share = scene.dynamics.step_share
 
     def changes(level: float) -> Changes:
@@ -115,10 +127,10 @@ def _step(scene: Scene) -> Knob:
 
     text = "time step, share of the critical one"
     coarse = [1.0 / share] if share < 1.0 else []
-    return Knob("step_share", text, 1.0, (0.125, 0.25, 0.5, 1.0, *coarse), changes)
+    return Setting("step_share", text, 1.0, (0.125, 0.25, 0.5, 1.0, *coarse), changes)
 
 
-def _stiffness(scene: Scene) -> Knob:
+def _stiffness(scene: Scene) -> Setting:
     d = scene.dynamics
 
     def changes(level: float) -> Changes:
@@ -127,20 +139,22 @@ def _stiffness(scene: Scene) -> Knob:
             "dynamics.contact_modulus": d.contact_modulus / level,
         }
 
-    return Knob("softness", "stiffness of bonds and contacts", 1.0, (0.25, 1, 4, 16, 64), changes)
+    return Setting(
+        "softness", "stiffness of bonds and contacts", 1.0, (0.25, 1, 4, 16, 64), changes
+    )
 
 
-def _elements(scene: Scene) -> Knob:
+def _elements(scene: Scene) -> Setting:
     count = scene.packing.elements
 
     def changes(level: float) -> Changes:
         return {"packing.elements": max(8, round(count / level**2))}
 
     levels = (0.5, math.sqrt(0.5), 1.0, math.sqrt(2.0), 2.0)
-    return Knob("element_size", "size of the elements", 1.0, levels, changes)
+    return Setting("element_size", "size of the elements", 1.0, levels, changes)
 
 
-def _window(scene: Scene) -> Knob:
+def _window(scene: Scene) -> Setting:
     t, samples = scene.time, scene.dynamics.samples
 
     def changes(level: float) -> Changes:
@@ -155,10 +169,10 @@ def _window(scene: Scene) -> Knob:
     # Many short windows are many files of forcing.
     fine = (0.25, 0.5) if t.windows <= MANY_WINDOWS else (0.5,)
     coarse = [float(n) for n in range(2, t.windows + 1) if t.windows % n == 0][:3]
-    return Knob("window", "coupling window", 1.0, (*fine, 1.0, *coarse), changes)
+    return Setting("window", "coupling window", 1.0, (*fine, 1.0, *coarse), changes)
 
 
-def _spacing(scene: Scene) -> Knob:
+def _spacing(scene: Scene) -> Setting:
     domain, refine = scene.domain, scene.mask.refine
 
     def changes(level: float) -> Changes:
@@ -169,32 +183,32 @@ def _spacing(scene: Scene) -> Knob:
     widths = (domain.x_max - domain.x_min, domain.y_max - domain.y_min)
     coarse = [float(n) for n in (2, 4) if all((w / domain.spacing / n) % 1 == 0 for w in widths)]
     levels = (*fine, 1.0, *coarse)
-    return Knob("forcing_grid", "cells of the forcing's grid", 2.0, levels, changes)
+    return Setting("forcing_grid", "cells of the forcing's grid", 2.0, levels, changes)
 
 
-def _splitting(scene: Scene) -> Knob:
+def _splitting(scene: Scene) -> Setting:
     """Column around the dynamics stands for half a level: it costs nearly nothing."""
     text, own = "column after or around the dynamics", scene.column.splitting
     return _ways("splitting", text, "column.splitting", ("around", "after"), own)
 
 
-def _scheme(scene: Scene) -> Knob:
+def _scheme(scene: Scene) -> Setting:
     """Schemes stand in the order of what they tell of."""
     text, own = "scheme of the column", scene.column.scheme
     return _ways("column_scheme", text, "column.scheme", SCHEMES, own)
 
 
-def _layers(scene: Scene) -> Knob:
+def _layers(scene: Scene) -> Setting:
     layers = scene.column.layers
 
     def changes(level: float) -> Changes:
         return {"column.layers": max(2, round(layers / level))}
 
     text = "thickness of the column's layers"
-    return Knob("layer_thickness", text, 2.0, (0.25, 0.5, 1.0, 2.0), changes)
+    return Setting("layer_thickness", text, 2.0, (0.25, 0.5, 1.0, 2.0), changes)
 
 
-def _categories(scene: Scene) -> Knob:
+def _categories(scene: Scene) -> Setting:
     """Width of the categories; with redistribution there are two at least."""
     count = scene.column.categories
 
@@ -202,10 +216,10 @@ def _categories(scene: Scene) -> Knob:
         return {"column.categories": round(count / level)}
 
     fine = [1.0 / n for n in (9, 5, 3, 2) if n * count <= MOST_CATEGORIES]
-    return Knob("category_width", "width of the categories", 1.0, (*fine, 1.0), changes)
+    return Setting("category_width", "width of the categories", 1.0, (*fine, 1.0), changes)
 
 
-def _column_step(scene: Scene) -> Knob:
+def _column_step(scene: Scene) -> Setting:
     step = min(scene.column.step, scene.time.window)
 
     def changes(level: float) -> Changes:
@@ -213,4 +227,6 @@ def _column_step(scene: Scene) -> Knob:
 
     most = scene.time.window / step
     coarse = [float(n) for n in (2, 4, 8) if n <= most]
-    return Knob("column_step", "time step of the column", 1.0, (0.25, 0.5, 1.0, *coarse), changes)
+    return Setting(
+        "column_step", "time step of the column", 1.0, (0.25, 0.5, 1.0, *coarse), changes
+    )
