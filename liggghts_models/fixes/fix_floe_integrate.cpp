@@ -194,7 +194,9 @@ int FixFloeIntegrate::modify_param(int narg, char **arg) {
 
 double FixFloeIntegrate::step_length() const { return update->dt; }
 
-int FixFloeIntegrate::setmask() { return FixConst::INITIAL_INTEGRATE | FixConst::PRE_EXCHANGE; }
+int FixFloeIntegrate::setmask() {
+  return FixConst::INITIAL_INTEGRATE | FixConst::POST_INTEGRATE | FixConst::PRE_EXCHANGE;
+}
 
 void FixFloeIntegrate::init() {
   if (domain->dimension != 2) error->all(FLERR, "Fix floe/integrate needs dimension 2");
@@ -203,7 +205,8 @@ void FixFloeIntegrate::init() {
                "Fix floe/integrate needs the command run with run_style verlet: nothing else "
                "moves floes by it");
   }
-  const int others = modify->n_pre_initial_integrate + modify->n_post_integrate +
+  // Without this fix itself.
+  const int others = modify->n_pre_initial_integrate + modify->n_post_integrate - 1 +
                      modify->n_pre_force + modify->n_post_force + modify->n_pre_final_integrate +
                      modify->n_final_integrate + modify->n_end_of_step;
   // LIGGGHTS itself makes three computes, for thermodynamic output.

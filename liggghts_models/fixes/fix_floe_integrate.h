@@ -39,6 +39,7 @@ class FixFloeIntegrate : public Fix {
   int setmask() override;
   void init() override;
   void initial_integrate(int) override;
+  void post_integrate() override;
   void setup_pre_exchange() override;
   void pre_exchange() override;
   void post_run() override;
