@@ -215,7 +215,7 @@ void FixFloeIntegrate::init() {
   floe::clear_forces(lmp, !fused);
   floe::write_turns(theta, atom->nlocal, turn ? turn[0] : nullptr);
   find_variables();
-  warn_of_others();
+  check_others();
   check_plane();
   check_kept();
 }
@@ -240,6 +240,8 @@ void FixFloeIntegrate::setup_pre_exchange() {
   between_runs_ = false;
   if (pairs) pairs->forget_records();
 }
+
+void FixFloeIntegrate::setup(int) { check_listed(); }
 
 void FixFloeIntegrate::set_orientation(int i, double angle) {
   theta[i] = angle;
