@@ -3,8 +3,8 @@
 
 Started plainly it starts itself on two ranks. The first rank runs the cases of one rank, all of
 them in turn in each repeat, while the second sleeps; then both run those of two ranks. Rafts far
-beyond the caches are held against what the bandwidth of the memory allows. It prints tables and
-writes ``results/benchmarks/dem.json``.
+beyond the caches are held against what the bandwidth of the memory allows, and ratios to stock
+against those of the last release. It prints tables and writes ``results/benchmarks/dem.json``.
 """
 
 from __future__ import annotations
@@ -41,6 +41,12 @@ class Plan:
     steps: int
     repeats: int
 
+
+# Ratios to stock of the last release, on idle cores of an Intel Xeon (docs/performance.md). Stock
+# LIGGGHTS stays the same and runs in turn with ours: they tell how the versions compare, if roughly
+# on another processor. `--against` is exact.
+RELEASE = "0.1.0"
+RELEASED = {"unbonded": 4.7, "unbonded_friction": 3.5, "bonded": 2.9}
 
 FULL = Plan((125, 120), (395, 380), (1000, 1000), 300, 7)
 QUICK = Plan((20, 15), (60, 50), (60, 50), 20, 5)
@@ -283,6 +289,12 @@ def table(records: list[Record]) -> str:
         f"lists {r.extra['new_lists_s']:.2f} s"
         for r in records
         if "share_of_bandwidth" in r.extra
+    ]
+    lines += [
+        f"{r.name}: {r.ratio_median / RELEASED[r.name]:.2f} x release {RELEASE}, by the ratios to "
+        f"{r.peer}"
+        for r in records
+        if r.name in RELEASED and r.ratio_median is not None and r.n == count(FULL.size)
     ]
     return "\n".join(lines)
 

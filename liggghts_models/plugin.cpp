@@ -15,6 +15,7 @@
 #include "bond_command.h"
 #include "compute_floe.h"
 #include "contact_models.h"
+#include "displace_command.h"
 #include "fix_floe_breakage.h"
 #include "fix_floe_integrate.h"
 #include "fix_floe_walls.h"
@@ -101,7 +102,10 @@ LIGGGHTS::Walls::IGranularWall *create_wall(LAMMPS *lmp, FixWallGran *, std::int
   return new WallFloe(lmp);
 }
 
-void bond_command(LAMMPS *lmp, int narg, char **arg) { BondCommand(lmp).command(narg, arg); }
+template <typename Made>
+void run_command(LAMMPS *lmp, int narg, char **arg) {
+  Made(lmp).command(narg, arg);
+}
 
 template <typename Made>
 Fix *create_fix(LAMMPS *lmp, int narg, char **arg) {
@@ -133,7 +137,9 @@ void register_models(LAMMPS *lmp) {
   auto &computes = *(lmp->modify->*get(ComputeMap()));
   computes["floe/atom"] = create_compute<ComputeFloeAtom>;
   computes["floe/bond/local"] = create_compute<ComputeFloeBondLocal>;
-  (*(lmp->input->*get(CommandMap())))["floe_bonds"] = bond_command;
+  auto &commands = *(lmp->input->*get(CommandMap()));
+  commands["floe_bonds"] = run_command<BondCommand>;
+  commands["displace_atoms"] = run_command<DisplaceCommand>;
 }
 
 void clear_forces(LAMMPS *lmp, bool wanted) {

@@ -71,6 +71,8 @@ void WallFloe::compute_force(FixWallGran *wall,
                              double *velocity, FixMeshSurface *mesh_fix, int mesh_number,
                              TriMesh *mesh, int triangle) {
   const int i = touch.i;
+  // LIGGGHTS asks for all elements at a mesh, and for those of the group at a plane.
+  if (!(atom->mask[i] & wall->groupbit)) return;
   double *h = touch.contact_history;
   const bool advance = wall->shearupdate() != 0;
   if (!intersects) {

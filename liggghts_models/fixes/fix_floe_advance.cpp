@@ -91,6 +91,16 @@ void FixFloeIntegrate::initial_integrate(int) {
     advance<false>();
 }
 
+// Elements outside of the group: whoever moves them, their bonds turn with the spin of this step,
+// which another fix may have set after initial_integrate() here.
+void FixFloeIntegrate::post_integrate() {
+  if (fused || igroup == 0) return;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (atom->mask[i] & groupbit) continue;
+    set_orientation(i, theta[i] + update->dt * atom->omega[i][2]);
+  }
+}
+
 template <bool External>
 void FixFloeIntegrate::advance() {
   const double middle = start_time + (update->ntimestep - 0.5) * update->dt;
@@ -172,10 +182,7 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
   const bool grounds = seabed.use && !forcing.depth.empty();
 
   for (int i = first; i < last; ++i) {
-    if (!Fused && !(mask[i] & groupbit)) {
-      theta[i] += step * omega[i][2];  // whoever moves it, its bonds turn with it
-      continue;
-    }
+    if (!Fused && !(mask[i] & groupbit)) continue;  // post_integrate() turns it
     const Vec2 contact = Fused ? Vec2{load[i].fx, load[i].fy} : Vec2{f[i][0], f[i][1]};
     const double torque = Fused ? load[i].torque : torques[i][2];
     if (type[i] == fixed_type) {

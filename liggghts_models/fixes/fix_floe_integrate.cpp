@@ -194,7 +194,9 @@ int FixFloeIntegrate::modify_param(int narg, char **arg) {
 
 double FixFloeIntegrate::step_length() const { return update->dt; }
 
-int FixFloeIntegrate::setmask() { return FixConst::INITIAL_INTEGRATE | FixConst::PRE_EXCHANGE; }
+int FixFloeIntegrate::setmask() {
+  return FixConst::INITIAL_INTEGRATE | FixConst::POST_INTEGRATE | FixConst::PRE_EXCHANGE;
+}
 
 void FixFloeIntegrate::init() {
   if (domain->dimension != 2) error->all(FLERR, "Fix floe/integrate needs dimension 2");
@@ -203,7 +205,8 @@ void FixFloeIntegrate::init() {
                "Fix floe/integrate needs the command run with run_style verlet: nothing else "
                "moves floes by it");
   }
-  const int others = modify->n_pre_initial_integrate + modify->n_post_integrate +
+  // Without this fix itself.
+  const int others = modify->n_pre_initial_integrate + modify->n_post_integrate - 1 +
                      modify->n_pre_force + modify->n_post_force + modify->n_pre_final_integrate +
                      modify->n_final_integrate + modify->n_end_of_step;
   // LIGGGHTS itself makes three computes, for thermodynamic output.
@@ -212,7 +215,7 @@ void FixFloeIntegrate::init() {
   floe::clear_forces(lmp, !fused);
   floe::write_turns(theta, atom->nlocal, turn ? turn[0] : nullptr);
   find_variables();
-  warn_of_others();
+  check_others();
   check_plane();
   check_kept();
 }
@@ -237,6 +240,8 @@ void FixFloeIntegrate::setup_pre_exchange() {
   between_runs_ = false;
   if (pairs) pairs->forget_records();
 }
+
+void FixFloeIntegrate::setup(int) { check_listed(); }
 
 void FixFloeIntegrate::set_orientation(int i, double angle) {
   theta[i] = angle;

@@ -38,7 +38,9 @@ class FixFloeIntegrate : public Fix {
   ~FixFloeIntegrate() override;
   int setmask() override;
   void init() override;
+  void setup(int) override;
   void initial_integrate(int) override;
+  void post_integrate() override;
   void setup_pre_exchange() override;
   void pre_exchange() override;
   void post_run() override;
@@ -121,7 +123,8 @@ class FixFloeIntegrate : public Fix {
   void parse(int first, int narg, char **arg);
   void note_fault(int i, int kind, int partner, double speed);
   void freeze(int i, int kind, double speed);
-  void warn_of_others();
+  void check_others();
+  void check_listed() const;
   void check_plane();
   void check_kept();
   void check_period() const;

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from floeflow.core.mpi import mpi_environment
+from floeflow.core.records import Record
 
 
 @pytest.fixture(scope="module")
@@ -88,3 +89,20 @@ def test_stock_and_own_discs_start_alike(records: dict[str, Any]) -> None:
     record = records["unbonded_friction"]
     assert record["kinetic_energy_over_peer"] == pytest.approx(1.0, abs=1e-3)
     assert record["position_apart_m"] < 0.01
+
+
+def test_the_last_release_is_told_by_ratios_to_stock(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(project / "benchmarks")
+    import dem
+
+    def bonded(size: tuple[int, int]) -> Record:
+        extra = {"element_steps_per_s": 1.0}
+        return Record(
+            "bonded", dem.count(size), 1, [1.0], "stock", [2 * dem.RELEASED["bonded"]], extra
+        )
+
+    text = dem.table([bonded(dem.FULL.size)])
+    assert f"bonded: 2.00 x release {dem.RELEASE}" in text
+    assert "release" not in dem.table([bonded(dem.QUICK.size)])

@@ -103,6 +103,9 @@ def test_what_liggghts_has_for_three_dimensions_only(tmp_path: Path) -> None:
         (line,) = (line for line in text.splitlines() if line.startswith(says))
         assert line.endswith(")") and line.isascii()
     assert "�" not in done.out + done.err
+    pair = "group a id 1\ngroup b id 2\ncompute f a group/group b\nrun 0\n"
+    says = "Pair style does not support compute group/group"
+    assert says in refused(tmp_path / "group", script + pair)
     body = "group body id 1\nfix body body multisphere\nrun 0\n"
     assert "ERROR: " in refused(tmp_path / "body", script + body)
 
@@ -116,3 +119,33 @@ def test_fixes_that_need_what_is_not_there(tmp_path: Path) -> None:
     walls += "fix w all wall/gran model floe primitive type 1 xplane 0.0\nrun 0\n"
     assert "needs pair_style gran model floe before it" in refused(tmp_path / "wall", walls)
     assert "WARNING" not in run_script(tmp_path / "all", raft() + BOND + "run 1\n").out
+
+
+@pytest.mark.parametrize("style", ["nve/sphere", "nve/noforce", "move linear 1 0 0"])
+def test_floes_that_two_fixes_move(tmp_path: Path, style: str) -> None:
+    text = refused(tmp_path, discs(PAIR, "") + f"fix two all {style}\nrun 1\n")
+    assert "2 floes of its group are moved by another fix too (two)" in text
+
+
+def test_lists_that_are_made_once(tmp_path: Path) -> None:
+    script = discs(PAIR, "").replace("check yes", "check yes once yes") + "run 1\n"
+    assert "neigh_modify once yes floes that meet later" in refused(tmp_path, script)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize(
+    "words",
+    [
+        "neigh_modify exclude group a b\n",
+        "neigh_modify exclude type 2 2\nset group all type 2\n",
+        "displace_atoms b move 9 0 0 units box\n",
+    ],
+)
+def test_bonds_of_floes_that_are_no_neighbours_any_more(
+    tmp_path: Path, words: str, ranks: int
+) -> None:
+    script = discs([(0.0, 0.0), (2.0, 0.0)], "bonds yes compressive_strength 1e9 reach 1.3")
+    script += "group a id 1\ngroup b id 2\nrun 0\nfloe_bonds gap 0.1 thickness 1\nrun 10\n"
+    run_script(tmp_path / "works", script + "run 1\n", ranks)
+    says = "1 bonds would be lost, because their floes are no neighbours any more"
+    assert says in refused(tmp_path / "not", script + words + "run 1\n", ranks)

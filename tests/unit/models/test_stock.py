@@ -35,6 +35,20 @@ def test_fix_adapt_grows_discs(tmp_path: Path) -> None:
     assert end[1, 5] == pytest.approx(STIFFNESS * 1e-3, rel=1e-9)
 
 
+def test_masses_that_fix_adapt_makes_are_told_of(tmp_path: Path) -> None:
+    """LIGGGHTS takes a mass with the cube of the diameter, and `set density` pi r2 again."""
+    script = discs([(0.0, 0.0)], LAW) + (
+        "variable d equal 2+0.01*step\nfix grow all adapt 1 atom diameter v_d\n"
+        "compute m all property/atom mass\ncompute sum all reduce sum c_m\n"
+        "thermo_style custom step c_sum\n" + PRINT + "run 100\n"
+        "unfix grow\nset group all density 900\nrun 0\n"
+    )
+    done = run_script(tmp_path, script)
+    masses = [table["1"][-1] for table in done.tables]
+    np.testing.assert_allclose(masses, [MASS * 1.5**3, MASS * 1.5**2], rtol=1e-9)
+    assert "WARNING: fix adapt changes the mass of a disc with the cube" in done.out
+
+
 def test_fix_deform_presses_a_row_around_the_box(tmp_path: Path) -> None:
     """Every gap closes by the strain: one force all along, pressure times height."""
     script = discs([(2.0 * k - 19.0, 0.0) for k in range(20)], LAW, boundary="p f p") + (
@@ -200,3 +214,110 @@ def test_dumps_of_floes_and_walls(tmp_path: Path) -> None:
     assert {tuple(float(v) for v in row[1:3]) for row in rows} == {(0.5, 0.25), (3.0, 0.0)}
     assert (tmp_path / "walls0.stl").read_text().count("outer loop") == 2
     assert (tmp_path / "floes.txt").read_text().count("\n") == 11
+
+
+BONDED = "bonds yes compressive_strength 1e9 reach 1.3 friction no bond_damping 0"
+FREEZE = "run 0\nfloe_bonds gap 0.1 thickness 1\n"
+SHOW = "thermo_style custom step f_motion[28] f_motion[26] f_motion[31]\nthermo 1000\n" + PRINT
+
+
+@pytest.mark.parametrize("before", [True, False])
+def test_bonds_turn_with_floes_that_fix_move_turns(tmp_path: Path, before: bool) -> None:
+    """A rigid rotation strains nothing, whichever of the two fixes comes first."""
+    move = "fix turn pair move rotate 0 0 0 0 0 1 0.1 units box\n"
+    script = discs([(0.0, 0.0), (2.0, 0.0), (10.0, 10.0)], BONDED).replace(
+        "fix motion all", (move if before else "") + "fix motion rest"
+    )
+    script = script.replace("timestep", "group pair id 1 2\ngroup rest id 3\ntimestep")
+    script += ("" if before else move) + FREEZE
+    script += "compute a all floe/atom angle\ncompute most all reduce max c_a\n"
+    script += SHOW.replace("f_motion[31]", "c_most") + "run 250\n"
+    table = run_script(tmp_path, script).tables[-1]
+    assert table["1"][-1] == 1.0 and table["2"][-1] < 1e-9
+    assert table["3"][-1] == pytest.approx(np.pi / 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_displace_atoms_rotate_turns_the_floes_too(tmp_path: Path, ranks: int) -> None:
+    script = discs([(0.0, 0.0), (2.0, 0.0)], BONDED) + FREEZE + "run 10\n" + SHOW
+    script += "displace_atoms all rotate -3 1 0 0 0 -1 200 units box\n"
+    done = run_script(tmp_path, script + DUMP + "run 0\n", ranks)
+    end, table = done.dump("end.txt"), done.tables[-1]
+    turn = np.radians(-200.0)
+    step = 2.0 * np.array([np.cos(turn), np.sin(turn)])
+    np.testing.assert_allclose(end[1, 1:3] - end[0, 1:3], step, rtol=1e-9)
+    assert table["1"][-1] == 1.0 and table["2"][-1] < 1e-12
+
+
+def test_an_oscillating_bond_beside_a_floe_that_is_held(tmp_path: Path) -> None:
+    """By fix setforce, fix freeze, or type 2: the same oscillation."""
+    script = discs([(0.0, 0.0), (2.0, 0.0)], BONDED) + FREEZE
+    script += "group one id 1\ngroup two id 2\nvelocity two set 1 0 0 units box\n"
+    holds = ["fix hold one setforce 0 0 0\n", "fix hold one freeze\n", "set group one type 2\n"]
+    rate = np.sqrt(1.5e7 * np.sqrt(1 / 3) / MASS)  # E h L / d, bond as wide as a hexagon's side
+    for k, hold in enumerate(holds):
+        end = ends(tmp_path / str(k), script + hold, 100)
+        assert list(end[0, 1:5]) == [0.0, 0.0, 0.0, 0.0]
+        assert end[1, 1] == pytest.approx(2.0 + np.sin(rate * 1e-2) / rate, rel=1e-6)
+
+
+def test_wind_that_follows_what_the_script_computes(tmp_path: Path) -> None:
+    """The wind stops where a variable or a compute says so; the ice stands at that speed."""
+    script = discs(
+        [(0.0, 0.0)], "", "wind yes ocean_drag yes wind_velocity v_w 0", boundary="p p p", step=0.5
+    )
+    rules = {
+        "vx": "variable w atom 10*(vx<0.05)\n",
+        "property": "compute v all property/atom vx\nvariable w atom 10*(c_v<0.05)\n",
+        "vcm": "variable w equal 10*(vcm(all,x)<0.05)\n",
+        "sums": f"variable w equal 10*(f_motion[35]<{MASS * 0.05!r})\n",
+    }
+    for name, rule in rules.items():
+        end = ends(tmp_path / name, script + rule, 2000)
+        assert end[0, 3] == pytest.approx(0.05, abs=1e-3)
+
+
+def test_a_loop_of_runs_with_clear_and_print(tmp_path: Path) -> None:
+    script = (
+        "variable k loop 3\nlabel again\nclear\n"
+        + discs([(0.0, 0.0), (2.0, 0.0)], BONDED)
+        + FREEZE
+        + "velocity all set $k 0 0 units box\nvariable e equal f_motion[31]\n"
+        + 'fix say all print 50 "at ${e}" file said.txt\nrun 100\n'
+        + 'print "energy ${e}"\nnext k\njump SELF again\n'
+    )
+    done = run_script(tmp_path, script)
+    found = [float(line.split()[1]) for line in done.out.splitlines() if line[:7] == "energy "]
+    np.testing.assert_allclose(found, [MASS * k**2 for k in (1, 2, 3)], rtol=1e-9)
+    said = [line.split() for line in (tmp_path / "said.txt").read_text().splitlines()[1:]]
+    np.testing.assert_allclose([float(w[1]) for w in said], MASS * 9, rtol=1e-9)
+
+
+def test_floes_from_a_data_file(tmp_path: Path) -> None:
+    rows = "7 1 2 900 0 0 0\n9 1 2 900 2 0 0\n20 2 2 900 4 0 0\n"
+    speeds = "7 1 0 0 0 0 0.5\n9 0 0 0 0 0 0\n20 0 0 0 0 0 0\n"
+    box = "".join(f"-20 20 {k}lo {k}hi\n" for k in "xyz")
+    (tmp_path / "floes.data").write_text(
+        f"floes\n\n3 atoms\n2 atom types\n\n{box}\nAtoms\n\n{rows}\nVelocities\n\n{speeds}"
+    )
+    script = discs([], BONDED)
+    first, last = script.index("region box"), script.index("neighbor")
+    script = script[:first] + "read_data floes.data\n" + script[last:] + FREEZE
+    script += SHOW.replace("f_motion[31]", "f_motion[31] f_motion[32]") + DUMP + "run 0\n"
+    done = run_script(tmp_path, script)
+    end, table = done.dump("end.txt"), done.tables[-1]
+    assert table["1"][-1] == 2.0 and table["2"][-1] == 0.0
+    assert table["3"][-1] == pytest.approx(MASS / 2)
+    assert table["4"][-1] == pytest.approx(MASS / 4 * 0.5**2)
+    np.testing.assert_array_equal(end[:, [0, 1, 3]], [[7, 0, 1], [9, 2, 0], [20, 4, 0]])
+
+
+def test_a_head_on_collision_with_lists_made_at_each_step(tmp_path: Path) -> None:
+    """Elastic discs exchange their speeds, with a skin and checks of any kind."""
+    script = discs([(-1.25, 0.0), (1.25, 0.0)], LAW)
+    script += "group a id 1\ngroup b id 2\n"
+    script += "velocity a set 1 0 0 units box\nvelocity b set -1 0 0 units box\n"
+    lists = ["neigh_modify check no", "neighbor 0.01 bin", "neighbor 2 nsq", "atom_modify sort 5 3"]
+    for k, words in enumerate(lists):
+        end = ends(tmp_path / str(k), script + words + "\n", 5000)
+        np.testing.assert_allclose(end[:, 3], [-1.0, 1.0], rtol=1e-4)

@@ -67,3 +67,17 @@ def test_a_mesh_feels_as_much_as_under_a_stock_law(tmp_path: Path) -> None:
     stock = stock.replace("neighbor", properties + "neighbor", 1)
     done = run_script(tmp_path, stock + SHOW + "fix drag all viscous 1e5\nrun 8000\n")
     assert done.tables[-1]["2"][-1] == pytest.approx(-1e5, rel=1e-3)
+
+
+def test_a_wall_is_there_for_its_group_only(tmp_path: Path) -> None:
+    """A mesh as a plane, though LIGGGHTS asks its laws for all elements at a mesh."""
+    write_wall(tmp_path / "wall.stl", [(0.0, -8.0), (0.0, 8.0)])
+    script = discs([(0.99, 0.0), (0.99, 5.0)], "contact_young 1e8 contact_damping 0")
+    dump = "dump d all custom 1 end.txt id fx\ndump_modify d sort id\nrun 0\n"
+    mesh = (
+        "fix face all mesh/surface file wall.stl type 2\n"
+        "fix wall one wall/gran model floe mesh n_meshes 1 meshes face\n"
+    )
+    for wall in (mesh, "fix wall one wall/gran model floe primitive type 2 xplane 0.0\n"):
+        end = run_script(tmp_path, script + "group one id 1\n" + wall + dump).dump("end.txt")
+        np.testing.assert_allclose(end[:, 1], [1e6, 0.0], rtol=1e-9)
