@@ -77,6 +77,8 @@ class Quantity:
     share : float
         Share of the data below the upper end, and above the lower one, where that comes from the
         data: a few fast elements must not bleach all others.
+    signed : bool
+        Values of both signs, on a scale that is pale at 0 and reaches as far to both sides.
     """
 
     name: str
@@ -85,15 +87,15 @@ class Quantity:
     low: float | None = 0.0
     high: float | None = None
     share: float = 1.0
+    signed: bool = False
 
     @property
     def cmap(self) -> Colormap:
-        """The colour map without its darkest part, in which outlines and print would drown."""
+        """The colour map without its darkest parts, in which outlines and print would drown."""
         full = getattr(cmocean.cm, self.colours)
         dark_first = self.colours == "ice"
-        crop: Colormap = cmocean.tools.crop_by_percent(
-            full, 30 if dark_first else 12, which="min" if dark_first else "max"
-        )
+        which = "both" if self.signed else "min" if dark_first else "max"
+        crop: Colormap = cmocean.tools.crop_by_percent(full, 30 if dark_first else 12, which=which)
         return crop
 
     @property
