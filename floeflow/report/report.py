@@ -98,7 +98,7 @@ CHAPTERS = (
         "bonds",
         "Bonds and floes",
         "",
-        ("elements_bonds", "series_bonds", "floe_"),
+        ("elements_bonds", "series_bonds", "bonds_", "floe_"),
     ),
     (
         "motion",

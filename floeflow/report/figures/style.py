@@ -19,9 +19,11 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, to_rgba
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from matplotlib.typing import ColorType
 
 from floeflow.report.figures.ticks import plain_ticks
@@ -139,6 +141,28 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def style_axes(axes: Axes, x: str, y: str) -> None:
+    """Labels, a faint grid, no box.
+
+    Parameters
+    ----------
+    axes : Axes
+        Of the figure.
+    x : str
+        Labels of the axes, with units.
+    y : str
+        Labels of the axes, with units.
+    """
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    # Labels between the powers of ten cost more time than the rest of a figure.
+    for scale, name in ((axes.xaxis, axes.get_xscale()), (axes.yaxis, axes.get_yscale())):
+        if name == "log":
+            scale.set_minor_formatter(NullFormatter())
 
 
 def write_png(figure: Figure, path: Path, dpi: int) -> bytes:
