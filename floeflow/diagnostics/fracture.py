@@ -93,7 +93,7 @@ def by_angle(angle: Array, length: Array) -> Array:
         m.
     """
     bins = np.minimum((np.mod(angle, np.pi) / np.pi * ANGLES).astype(np.int64), ANGLES - 1)
-    return np.bincount(bins, length, ANGLES)
+    return np.bincount(bins, length, ANGLES).astype(np.float64)
 
 
 def new_cracks(first: xr.Dataset, last: xr.Dataset) -> Cracks | None:
@@ -145,5 +145,5 @@ def _joined(pairs: Index, length: Array) -> Array:
     place = place.reshape(pairs.shape)
     links = coo_matrix((np.ones(len(pairs)), (place[:, 0], place[:, 1])), (known.size, known.size))
     label = connected_components(links, directed=False)[1][place[:, 0]]
-    sums = np.bincount(label, length)
+    sums = np.bincount(label, length).astype(np.float64)
     return np.sort(sums[sums > 0.0])[::-1]

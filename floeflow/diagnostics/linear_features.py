@@ -67,7 +67,7 @@ def linear_features(strain: Strain, corners: Index, places: tuple[Array, Array])
     """
     n = len(places[0])
     each = np.repeat(strain.area / 3.0, 3)
-    area = np.bincount(corners.ravel(), each, n)
+    area: Array = np.bincount(corners.ravel(), each, n).astype(np.float64)
     carried = np.bincount(corners.ravel(), each * np.repeat(strain.total, 3), n)
     whole, none = float(area.sum()), np.zeros(0)
     if not carried.sum() > 0.0:

@@ -95,7 +95,9 @@ def _stresses(data: xr.Dataset) -> Made:
         figure.colorbar(mesh, ax=axes, label="Bonds", pad=0.01)
         axes.plot(*edge, "-", color=INK, linewidth=1.2, label="where bonds fail")
         axes.axvline(0.0, color=FAINT, linewidth=0.8)
-        style_axes(axes, "Normal stress over compressive strength (1)", "Shear stress over the same (1)")
+        style_axes(
+            axes, "Normal stress over compressive strength (1)", "Shear stress over the same (1)"
+        )
         axes.set_xlim(-1.06, max(1.3 * tensile, 0.1))
         axes.set_ylim(0.0, 1.05 * float(edge[1].max()))
         axes.legend(loc="upper right", fontsize=8.5)
