@@ -130,6 +130,8 @@ def _cracks(data: xr.Dataset) -> Made:
     sizes = np.sort(data["crack_size"].values)[::-1] / 1e3
     rank = np.arange(1, sizes.size + 1)
     total = float(sizes.sum())
+    # Where much broke, lines meet everywhere.
+    network = ", a network through the pack" if sizes[0] > 0.5 * total else ""
     with look():
         figure = new_figure(6.0, 3.6)
         rose = figure.add_subplot(1, 2, 1, projection="polar")
@@ -144,7 +146,7 @@ def _cracks(data: xr.Dataset) -> Made:
         f"Left: directions of the lines that broke in the run, beside those of all bonds of the "
         "start (share of the length by direction on the map). Right: how many cracks are at least "
         f"as long; broken lines that meet in an element are one crack. {sizes.size:,} cracks of "
-        f"{total:,.0f} km in all, the longest {sizes[0]:,.0f} km. "
+        f"{total:,.0f} km in all, the longest {sizes[0]:,.0f} km{network}. "
         "(analyses.nc: crack_angle_length, crack_size)"
     )
     return "bonds_cracks", caption, figure
