@@ -26,6 +26,7 @@ from floeflow.forcings.forcing import FINER
 from floeflow.forcings.inputs import check_forcing_file, opened
 from floeflow.forcings.tracks import Track
 from floeflow.forcings.window import window_forcing
+from floeflow.masks.labels import read_labels
 from floeflow.masks.mask import make_mask
 from floeflow.masks.mask_file import (
     Wanted,
@@ -86,6 +87,7 @@ def find_inputs(scene: Scene) -> list[Finding]:
     check_mask_file(scene)
     check_forcing_file(scene)
     found = [*_of_mask(scene), Finding("mask land", LAND.get(scene.mask.land, scene.mask.land))]
+    found += _of_polygons(scene)
     if "mixed_layer" in scene.effects:
         check_sea_file(scene)
         found += _of_sea(scene)
@@ -130,9 +132,28 @@ def draw(scene: Scene, path: Path) -> None:
     write_png(figure, path, 110)
 
 
+def _of_labels(scene: Scene) -> Finding:
+    """How many floes a labelled image has over the scene, so that a wrong place or pixel shows."""
+    floes = read_labels(scene.mask.labels, scene.domain)
+    taken = floes.numbers > 0
+    share = 100.0 * float(taken.mean()) if taken.size else 0.0
+    note = (
+        f"{np.unique(floes.numbers[taken]).size:,} numbers on {taken.shape[1]:,} by "
+        f"{taken.shape[0]:,} pixels of {floes.grid.spacing:g} m over the scene; "
+        f"{share:.0f} % of them are ice"
+    )
+    return Finding("mask", f"floes of {scene.mask.labels.file}", (note,))
+
+
+def _of_polygons(scene: Scene) -> list[Finding]:
+    """Shoreline and region, where the scene names them."""
+    named = (("shoreline", scene.mask.shoreline), ("ice only in", scene.mask.region))
+    return [Finding(quantity, source) for quantity, source in named if source]
+
+
 def _of_mask(scene: Scene) -> list[Finding]:
     if scene.packing.generator == "floes":
-        return [Finding("mask", f"floes of {scene.mask.labels.file}")]
+        return [_of_labels(scene)]
     if scene.mask.uniform > 0.0:
         return [Finding("mask", f"concentration {scene.mask.uniform:g} on all water, no file")]
     path = Path(scene.mask.file)

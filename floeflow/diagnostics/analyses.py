@@ -8,7 +8,7 @@ floes are not resolved, no exponents where the scales are too few.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import timedelta
 from functools import cached_property
@@ -32,6 +32,8 @@ from floeflow.diagnostics.floe_sizes import (
     floe_diameters,
 )
 from floeflow.diagnostics.followed import frame_of
+from floeflow.diagnostics.fracture import ANGLES, Cracks, bond_stresses, by_angle, new_cracks
+from floeflow.diagnostics.linear_features import Features
 from floeflow.diagnostics.motion_analyses import (
     DRIFT_BINS,
     ENOUGH,
@@ -44,6 +46,8 @@ from floeflow.diagnostics.motion_analyses import (
 )
 from floeflow.diagnostics.thickness_distribution import EDGES, thickness_areas
 from floeflow.diagnostics.wind_drift import FreeDrift, WindFit, WindSums, free_drift, wind_fit
+from floeflow.dynamics.engine.params import EngineParams
+from floeflow.dynamics.motion import engine_params
 from floeflow.scene import Scene
 from floeflow.state.schema import MOBILE
 
@@ -58,6 +62,8 @@ CAVEAT = (
 WINTER, SUMMER = (11, 12, 1, 2, 3, 4), (6, 7, 8, 9)
 # Runs up to this long (s) are one period, longer ones are cut into months.
 ONE_PERIOD = 45 * 86400.0
+# Bonds by their stress over their compressive strength.
+NORMAL_BINS, SHEAR_BINS = np.linspace(-1.02, 0.5, 77), np.linspace(0.0, 1.0, 51)
 # Windows of a run of which the wind is looked up.
 MOST_WINDS = 120
 
@@ -134,6 +140,10 @@ class Analyses:
             rows |= edge_rows(grid, cell_area(grid, Path("grid.nc")))
         for name, state in states.items():
             rows |= floe_rows(state, name)
+        if "bond_id_lo" in states.get("end", ()):
+            rows |= stress_rows(states["end"], engine_params(self.scene))
+            cracks = new_cracks(states["start"], states["end"]) if "start" in states else None
+            rows |= crack_rows(cracks) if cracks is not None else {}
         data = xr.Dataset(rows, attrs=attrs)
         for name in ("thickness_time", "interval_time", "edge_time"):
             if name in data:
@@ -259,6 +269,7 @@ class Analyses:
             np.stack([RATE_BINS[:-1], RATE_BINS[1:]], axis=1),
             said,
         )
+        rows |= feature_rows(motion.features)
         spacing = {"units": "m", "long_name": "typical distance of neighbouring elements"}
         rows["spacing"] = ((), motion.spacing, spacing | {"fit_from": f"{FIT_FROM} spacings"})
 
@@ -446,6 +457,118 @@ def edge_rows(grid: xr.Dataset, area: Array) -> Rows:
     said = {"units": "1", "long_name": "open share of the sea of cells with at least 70 % of ice"}
     rows["lead_fraction"] = (("grid",), leads, said)
     return rows
+
+
+def feature_rows(found: Sequence[Features]) -> Rows:
+    """Linear features of the intervals of deformation.
+
+    Parameters
+    ----------
+    found : sequence of Features
+        Of each interval.
+
+    Returns
+    -------
+    Rows
+        Variables on ``interval``, ``feature`` and ``angle``, with units.
+    """
+    angle, length, width = (
+        np.concatenate([getattr(each, name) for each in found])
+        for name in ("angle", "length", "width")
+    )
+    area = np.array([each.area for each in found])
+    total = np.array([each.length.sum() for each in found])
+    share = np.array([each.share for each in found])
+    rows: Rows = {
+        "localised_share": (
+            ("interval",), share,
+            {"units": "1", "long_name": "least share of the ice that carries half of deformation"},
+        ),
+        "feature_density": (
+            ("interval",), np.divide(total, area, out=np.zeros_like(area), where=area > 0),
+            {"units": "m-1", "long_name": "length of linear features over the area of ice"},
+        ),
+        "feature_length": (
+            ("feature",), length, {"units": "m", "long_name": "length of linear features"},
+        ),
+        "feature_width": (("feature",), width, {"units": "m", "long_name": "their mean width"}),
+        "feature_angle_length": (
+            ("angle",), by_angle(angle, length),
+            {"units": "m", "long_name": "length of linear features by direction"},
+        ),
+    }  # fmt: skip
+    return rows | angle_rows()
+
+
+def angle_rows() -> Rows:
+    """Directions in which features and cracks are counted."""
+    said = {"units": "rad", "long_name": "direction from the grid's x axis, counted to the left"}
+    return {"angle": (("angle",), (np.arange(ANGLES) + 0.5) * np.pi / ANGLES, said)}
+
+
+def stress_rows(state: xr.Dataset, params: EngineParams) -> Rows:
+    """How bonds are loaded, beside the envelope at which they fail; nothing without bonds.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        State with bonds.
+    params : EngineParams
+        Of the scene.
+
+    Returns
+    -------
+    Rows
+        Bonds by normal and shear stress over the compressive strength.
+    """
+    normal, shear = bond_stresses(state, params)
+    if not normal.size:
+        return {}
+    counts = np.histogram2d(normal, shear, bins=(NORMAL_BINS, SHEAR_BINS))[0]
+    said = {
+        "units": "1",
+        "long_name": "bonds by stress over compressive strength at the end",
+        "tensile_share": f"{params.tensile_share:.6g}",
+        "friction_angle_degrees": f"{np.degrees(params.friction_angle):.6g}",
+    }
+    rows: Rows = {"bond_stress_count": (("normal", "shear"), counts, said)}
+    for name, bins, text in (
+        ("normal", NORMAL_BINS, "normal stress over compressive strength, above 0 in tension"),
+        ("shear", SHEAR_BINS, "shear stress over compressive strength"),
+    ):
+        middle = 0.5 * (bins[:-1] + bins[1:])
+        rows[name] = ((name,), middle, {"units": "1", "long_name": text})
+    return rows
+
+
+def crack_rows(cracks: Cracks) -> Rows:
+    """Cracks that opened in the run.
+
+    Parameters
+    ----------
+    cracks : Cracks
+        Between its first and its last state.
+
+    Returns
+    -------
+    Rows
+        Lengths by direction on ``angle``, sizes on ``crack``.
+    """
+    rows: Rows = {
+        "crack_angle_length": (
+            ("angle",), by_angle(cracks.angle, cracks.length),
+            {"units": "m", "long_name": "length of lines that broke in the run, by direction"},
+        ),
+        "line_angle_length": (
+            ("angle",), cracks.before,
+            {"units": "m", "long_name": "length of all lines of the start, by direction"},
+        ),
+        "crack_size": (
+            ("crack",), cracks.sizes,
+            {"units": "m", "long_name": "length of cracks: broken lines that meet in elements"},
+        ),
+    }  # fmt: skip
+    return rows | angle_rows()
 
 
 def floe_rows(state: xr.Dataset, name: str) -> Rows:

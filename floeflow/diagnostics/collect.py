@@ -384,16 +384,39 @@ def read_grid(path: Path) -> xr.Dataset:
     FloeError
         Where it is missing, damaged, or holds no such fields.
     """
+    return with_shares(read_fields(path, ("x", "y", "siconc")))
+
+
+def read_fields(path: Path, names: Sequence[str]) -> xr.Dataset:
+    """Read a CF file that has to hold some variables, missing values as NaN, times as numbers.
+
+    Parameters
+    ----------
+    path : Path
+        NetCDF file.
+    names : sequence of str
+        Variables that it needs.
+
+    Returns
+    -------
+    xarray.Dataset
+        In memory.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be read, or a variable is missing.
+    """
     try:
         with xr.open_dataset(path, decode_times=False) as opened:
             data = opened.load()
     except Exception as error:  # a damaged HDF5 file raises whatever its bytes lead to
         reason = "there is no such file" if not path.is_file() else type(error).__name__
         raise FloeError(f"{path}: cannot be read as NetCDF: {reason}") from None
-    for name in ("x", "y", "siconc"):
+    for name in names:
         if name not in data.variables:
             raise FloeError(f"{path}: variable '{name}' is missing")
-    return with_shares(data)
+    return data
 
 
 def with_shares(grid: xr.Dataset) -> xr.Dataset:

@@ -24,6 +24,7 @@ from floeflow.diagnostics.deformation import (
     triangles,
 )
 from floeflow.diagnostics.followed import Frame, Step, step_between
+from floeflow.diagnostics.linear_features import Features, linear_features
 from floeflow.diagnostics.wind_drift import WindSums, wind_sums
 
 Array = NDArray[np.float64]
@@ -93,6 +94,8 @@ class Motion:
     intervals : list
         Ends of the intervals of deformation (s); beside it counts, scales, moments and total
         deformation of the triangles.
+    features : list of Features
+        Linear features of the intervals.
     rates : ndarray
         Pieces by rate, (scale: triangles and boxes, kind of rate, bin).
     """
@@ -112,6 +115,7 @@ class Motion:
     scales: list[Array] = field(default_factory=list)
     moments: list[Array] = field(default_factory=list)
     means: list[tuple[float, float, float]] = field(default_factory=list)
+    features: list[Features] = field(default_factory=list)
     rates: Array = field(default_factory=lambda: np.zeros((2, len(RATES), RATE_BINS.size - 1)))
     pairs: Array = field(default_factory=lambda: np.zeros((LAGS + 1, 2)))
     lagged: NDArray[np.complex128] = field(default_factory=lambda: np.zeros((LAGS + 1, 6), complex))
@@ -240,6 +244,7 @@ class Motion:
                 float((weight * fine.shear).sum()),
             )
         )
+        self.features.append(linear_features(fine, corners, (x, y)))
         self.rates[0] += _rates(fine)
         coarse = np.flatnonzero(self.sizes >= COARSE * self.spacing * (1.0 - 1e-9))
         if coarse.size:

@@ -24,6 +24,7 @@ ORDER = (
     WINDOW,
     "fields",
     "grid",
+    "tendencies",
     "diagnostics",
 )
 

@@ -38,6 +38,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 KEPT = ("x", "y", "theta", "u", "v", "radius", "area")
+# Fields of the elements at each frame that a Universe has.
+FIELDS = ("mass", "radius", "theta", "area", "ice_fraction", "thickness", "present")
 # XTC keeps thousandths of a nanometre, here centimetres, as whole numbers of 32 bits.
 XTC_REACH = 2.0e7
 # Columns of the dump after id and type: name there, name here (none: always 0), and format.
@@ -152,9 +154,13 @@ def make_universe(frames: xr.Dataset, corner: tuple[float, float]) -> "MDAnalysi
     -------
     MDAnalysis.Universe
         Atoms in the order of the ids, with ids, types, masses, radii (of the first frame) and the
-        bonds of the first frame. Its Angstrom are metres, its picoseconds seconds.
+        bonds of the first frame. Its Angstrom are metres, its picoseconds seconds. Fields of the
+        elements (`FIELDS`) at each frame are auxiliary data: ``trajectory.ts.aux.thickness``; where
+        ``present`` is 0, an element is parked and has no ice.
     """
     import MDAnalysis
+
+    from floeflow.diagnostics.element_fields import ElementFields
 
     universe = MDAnalysis.Universe.empty(frames.sizes["element"], trajectory=False)
     universe.add_TopologyAttr("ids", frames["id"].values)
@@ -169,6 +175,8 @@ def make_universe(frames: xr.Dataset, corner: tuple[float, float]) -> "MDAnalysi
     time = frames["time"].values
     step = float(time[1] - time[0]) if len(time) > 1 else 1.0
     universe.load_new(places, order="fac", velocities=velocities, dt=step)
+    fields = {name: frames[name].values for name in FIELDS}
+    universe.trajectory.add_auxiliary(None, ElementFields(fields, dt=step))
     return universe
 
 

@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from floeflow.core.constants import ICE_DENSITY
 from floeflow.report.box_drift import box_drift
 from floeflow.report.figures.frame import Frame, graticule_lines
 from floeflow.report.figures.style import Quantity, common_limits, nice_step
@@ -50,9 +51,11 @@ class MapField:
     quantity : Quantity
         Colours and ends of the scale, in the reader's unit.
     needs : tuple of str
-        Variables of the gridded output without which it is absent; they are its source.
+        Variables of the file without which it is absent; they are its source.
     text : str
         What it is, in a sentence.
+    file : str
+        Which file of the run holds them.
     """
 
     title: str
@@ -61,7 +64,12 @@ class MapField:
     quantity: Quantity
     needs: tuple[str, ...]
     text: str
+    file: str = "grid.nc"
 
+
+TENDENCIES = "tendencies.nc"
+# From kg m-2 s-1 to centimetres of ice a day.
+CENTIMETRES = 100.0 * SECONDS_PER_DAY / ICE_DENSITY
 
 FIELDS: dict[str, MapField] = {
     "thickness": MapField(
@@ -152,6 +160,25 @@ FIELDS: dict[str, MapField] = {
         ("siage",),
         "Time since the ice froze on open water, at most since the start of the run.",
     ),
+    "growth": MapField(
+        "Growth and melt",
+        "cm/day",
+        CENTIMETRES,
+        Quantity("growth", "", "balance_r", share=0.98, signed=True),
+        ("sidmassth",),
+        "Ice that froze (above 0) or melted, per area of sea, mean of the window that ends here.",
+        TENDENCIES,
+    ),
+    "moved": MapField(
+        "Moved in",
+        "cm/day",
+        CENTIMETRES,
+        Quantity("moved", "", "balance_r", share=0.98, signed=True),
+        ("sidmassdyn",),
+        "Ice that drifted in (above 0) or away, per area of sea, mean of the window that ends "
+        "here.",
+        TENDENCIES,
+    ),
 }
 
 
@@ -165,8 +192,8 @@ class Layer:
         Key in ``FIELDS``.
     low, high : float
         Ends of the colour scale in the reader's unit.
-    beyond : bool
-        Values lie beyond the high end.
+    beyond, below : bool
+        Values lie beyond the high end, or below the low one.
     data : str
         Frames, deflated, in base64.
     palette : str
@@ -177,6 +204,7 @@ class Layer:
     low: float
     high: float
     beyond: bool
+    below: bool
     data: str
     palette: str
 
@@ -202,7 +230,38 @@ def field_frames(grid: xr.Dataset, name: str) -> Array | None:
     parts = [np.asarray(grid[need].values, dtype=float) for need in field.needs]
     values = np.hypot(*parts) if len(parts) == 2 else parts[0]
     there = np.asarray(grid["siconc"].values) > 0
+    if field.file == TENDENCIES:
+        # Ice that has left or melted away changed the cell as well.
+        there = there | (np.abs(values) > 0.0)
     return np.where(there, values * field.scale, np.nan)
+
+
+def with_tendencies(grid: xr.Dataset, tendencies: xr.Dataset | None) -> xr.Dataset:
+    """Fields of the grid with those tendencies that the map shows.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        Gridded output at window boundaries, with ``window`` numbers.
+    tendencies : xarray.Dataset or None
+        Means over windows, (time, y, x), with the numbers of the windows; None: there are none.
+
+    Returns
+    -------
+    xarray.Dataset
+        The mean over a window stands at its end, and is missing at the start of the run.
+    """
+    if tendencies is None:
+        return grid
+    wanted = [need for each in FIELDS.values() if each.file == TENDENCIES for need in each.needs]
+    ends = np.searchsorted(tendencies["window"].values, grid["window"].values)
+    known = np.isin(grid["window"].values, tendencies["window"].values)
+    added = {}
+    for name in wanted:
+        values = np.full((grid.sizes["time"], grid.sizes["y"], grid.sizes["x"]), np.nan)
+        values[known] = tendencies[name].values[ends[known]]
+        added[name] = (("time", "y", "x"), values)
+    return grid.assign(added)
 
 
 def encode_frames(values: Array, low: float, high: float) -> Bytes:
@@ -267,7 +326,8 @@ def make_layers(grid: xr.Dataset) -> Iterator[Layer]:
         low, high = scale_ends(field.quantity, values)
         frames = encode_frames(values[:, ::-1], low, high)
         beyond = bool(np.nanmax(values, initial=high) > high)
-        yield Layer(name, low, high, beyond, packed(frames), palette_of(field.quantity))
+        below = bool(np.nanmin(values, initial=low) < low)
+        yield Layer(name, low, high, beyond, below, packed(frames), palette_of(field.quantity))
 
 
 def scale_ends(quantity: Quantity, values: Array) -> tuple[float, float]:
@@ -285,6 +345,9 @@ def scale_ends(quantity: Quantity, values: Array) -> tuple[float, float]:
     tuple of float
         In the unit of the values.
     """
+    if quantity.signed:
+        _, high = common_limits(quantity, np.abs(values))
+        return -round_up(high), round_up(high)
     low, high = common_limits(quantity, values)
     low = -round_up(-low) if quantity.low is None and low < 0.0 else low
     return low, round_up(high) if quantity.high is None else high
@@ -481,9 +544,11 @@ def make_player(
                 "low": layer.low,
                 "high": layer.high,
                 "beyond": layer.beyond,
+                "below": layer.below,
+                "none": "no value" if field.file == TENDENCIES else "no ice",
                 "data": layer.data,
                 "palette": layer.palette,
-                "source": "grid.nc: " + ", ".join(field.needs),
+                "source": f"{field.file}: " + ", ".join(field.needs),
             }
         )
     return {

@@ -20,7 +20,7 @@ from floeflow.core.errors import FloeError
 from floeflow.diagnostics import run_cost
 from floeflow.report import report_figures, report_text, summary
 from floeflow.report.figures.frame import Frame
-from floeflow.report.map_player import make_player
+from floeflow.report.map_player import make_player, with_tendencies
 from floeflow.report.report_figures import Picture
 from floeflow.scene import Scene
 
@@ -55,6 +55,8 @@ class Material:
         Digests of the studies that were made for the scene as it is.
     partial : str
         A sentence that says how far a run came that has not ended; empty for a whole run.
+    tendencies : xarray.Dataset or None
+        What changed the ice of the cells in each window; None without thermodynamics.
     """
 
     diagnostics: xr.Dataset
@@ -70,6 +72,7 @@ class Material:
     inputs: Sequence[str] = ()
     studies: Sequence[Mapping[str, Any]] = ()
     partial: str = ""
+    tendencies: xr.Dataset | None = None
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,7 @@ CHAPTERS = (
         "bonds",
         "Bonds and floes",
         "",
-        ("elements_bonds", "series_bonds", "floe_"),
+        ("elements_bonds", "series_bonds", "bonds_", "floe_"),
     ),
     (
         "motion",
@@ -182,7 +185,7 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
         {
             "style": Markup(read_template("report.css")),
             "script": Markup(read_template("map.js")),
-            "player": _player(scene, frame, material.grid),
+            "player": _player(scene, frame, material),
             "partial": material.partial,
             "sentence": summary.sentence(scene, headline),
             "warnings": summary.warnings(scene, notes, headline, budgets),
@@ -211,10 +214,11 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
     )
 
 
-def _player(scene: Scene, frame: Frame, grid: xr.Dataset | None) -> dict[str, Any] | None:
+def _player(scene: Scene, frame: Frame, material: Material) -> dict[str, Any] | None:
     """What the template needs for the map, its data as JSON that no text can end early."""
-    if grid is None:
+    if material.grid is None:
         return None
+    grid = with_tendencies(material.grid, material.tendencies)
     player = make_player(grid, frame, scene.time.start, scene.time.window)
     if player is None:
         return None

@@ -17,13 +17,14 @@ import xarray as xr
 
 from floeflow.core.atomic_write import write_text
 from floeflow.core.errors import FloeError
-from floeflow.coupling import resume
+from floeflow.coupling import growth, resume
 from floeflow.coupling.chunk import join_series
 from floeflow.diagnostics.analyses import Analyses
 from floeflow.diagnostics.cf_output import join_times
 from floeflow.diagnostics.collect import read_grid
 from floeflow.diagnostics.diagnostics import RunFiles, analyse, diagnose, write_json
 from floeflow.diagnostics.gridded import make_grid
+from floeflow.diagnostics.gridded_tendencies import make_tendencies
 from floeflow.diagnostics.study_summaries import read_summary
 from floeflow.report.report import Material, build_report, read_numbers
 from floeflow.scene import Scene
@@ -180,6 +181,17 @@ def _grids(run: SoFar) -> Iterator[xr.Dataset]:
         yield make_grid(run.scene, snapshot, mask)
 
 
+def _tendencies(run: SoFar, files: RunFiles) -> xr.Dataset | None:
+    """What changed the ice of the cells in the windows so far, where scene and windows have it."""
+    if files.grid is None or not growth.wanted(run.scene):
+        return None
+    # Windows may be of an older program, which did not say where ice grew.
+    if any(growth.COVER not in state for state in read_snapshots(files.elements)):
+        return None
+    mask = read_dataset(run.folder / "preprocess/mask.nc")
+    return make_tendencies(run.scene, files.grid, mask, read_snapshots(files.elements))
+
+
 def report_so_far(folder: Path) -> str:
     """Write a report of what a run has left so far.
 
@@ -221,6 +233,7 @@ def report_so_far(folder: Path) -> str:
             benchmarks=sorted((folder / "benchmarks").rglob("*.tsv")),
             estimates=read_summary(estimates) if estimates.is_file() else {"estimates": []},
             partial=_how_far(done, total) if done < total else "",
+            tendencies=_tendencies(run, files),
         )
         page = build_report(scene, material, folder / FIGURES)
     write_text(page, folder / PAGE)

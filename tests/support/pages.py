@@ -71,6 +71,7 @@ def report_of(run: Run, studies: Sequence[Path] = ()) -> str:
             scene=scene,
             first_state=str(run.state(0)),
             last_state=str(run.state(last)),
+            tendencies="",
             grid=str(run.grid),
             mask=str(folder / "preprocess" / "mask.nc"),
             packing=str(folder / "preprocess" / "packing.nc"),

@@ -127,6 +127,17 @@ def grid_file(wildcards):
     return f"results/{wildcards.scene}/grid.nc" if wanted else []
 
 
+def has_tendencies(effects):
+    """Whether a scene's run ends with tendencies on the grid."""
+    return {"grid_output", "thermodynamics"} <= set(effects)
+
+
+def tendencies_file(wildcards):
+    """Tendencies on the grid, where the scene has them."""
+    effects = SCENES.scene(wildcards.scene).effects
+    return f"results/{wildcards.scene}/tendencies.nc" if has_tendencies(effects) else []
+
+
 def last_state(wildcards):
     """State at the end of the run."""
     return f"results/{wildcards.scene}/state/{SCENES.run(wildcards.scene).last}.nc"
@@ -138,7 +149,7 @@ def default_targets():
     names = ["report.html"]
     if "trajectory_output" in effects:
         names += ["trajectory/elements.lammpsdump", "trajectory/drift.nc"]
-    if {"grid_output", "thermodynamics"} <= set(effects):
+    if has_tendencies(effects):
         names += ["tendencies.nc"]
     return [f"{RESULTS}/{name}" for name in names]
 
@@ -153,6 +164,7 @@ def stage_benchmarks(wildcards):
     chunked = ["windows"]
     if "grid_output" in run.scene.effects:
         stages, chunked = [*stages, "grid"], [*chunked, "fields"]
+    stages += ["tendencies"] if has_tendencies(run.scene.effects) else []
     names = [*stages, *expand("{rule}/{chunk}", rule=chunked, chunk=run.chunks)]
     return expand(
         "results/{scene}/benchmarks/{name}.tsv", scene=wildcards.scene, name=names

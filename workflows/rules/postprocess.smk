@@ -62,8 +62,8 @@ rule tendencies:
     benchmark:
         "results/{scene}/benchmarks/tendencies.tsv"
     resources:
-        mem_mb=memory_asked("fields"),
-        runtime=minutes_asked("fields"),
+        mem_mb=memory_asked("tendencies"),
+        runtime=minutes_asked("tendencies"),
     params:
         scene_keys=keys_of("grid"),
         library=library_digest("fields"),
@@ -112,6 +112,7 @@ rule report:
         first_state="results/{scene}/state/0000.nc",
         last_state=last_state,
         grid=grid_file,
+        tendencies=tendencies_file,
         mask=made("mask", "preprocess/mask.nc"),
         packing=made("packing", "preprocess/packing.nc"),
         estimates="results/{scene}/effects.json",

@@ -275,6 +275,9 @@ def stage_seconds(s: Sizes, effects: Iterable[str], fit: Coefficients) -> dict[s
         # A job for each chunk, and one that joins them.
         jobs = (s.launches + 1) * fit["job"]
         seconds["grid"] = jobs + (s.windows + 1) * fit["grid_per_cell"] * s.cells
+        if "thermodynamics" in effects:
+            each = fit["tendencies_per_cell"] * s.cells
+            seconds["tendencies"] = fit["job"] + s.windows * each
     if "trajectory_output" in effects:
         seconds["trajectory"] = fit["job"] + fit["window_per_element"] * s.elements * s.windows
     return seconds

@@ -77,6 +77,7 @@ MEMORY = {
     "variant": Memory(element=10.0, cell=1.0),
     "fields": Memory(element=4.0, cell=2.0),
     "grid": Memory(cell=2.0),
+    "tendencies": Memory(element=4.0, cell=2.0),
     "diagnostics": Memory(fixed=500.0, element=4.0),
     "report": Memory(fixed=500.0, element=6.0, cell=2.0),
     "trajectory": Memory(fixed=500.0, element=4.0),
@@ -166,6 +167,8 @@ def job_minutes(scene: Scene, rule: str, windows: int = 0, ranks: int = 1, attem
         seconds = fit["launch"] + share * (stages["window"] + work / ranks)
     elif rule in ("fields", "grid"):
         seconds = share * stages.get("grid", 0.0)
+    elif rule == "tendencies":
+        seconds = stages.get(rule, 0.0)
     elif rule in ("diagnostics", "trajectory", "mesh", "study"):
         seconds = stages["window"]
     else:

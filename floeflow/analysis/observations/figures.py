@@ -13,7 +13,6 @@ from floeflow.analysis.observations.drift_errors import METHODS, Drifts, LeadErr
 from floeflow.analysis.observations.fields import EdgeErrors, ThicknessPairs
 from floeflow.analysis.observations.run_files import FinishedRun
 from floeflow.analysis.observations.side_by_side import labels
-from floeflow.report.figures.analyses import style_axes
 from floeflow.report.figures.series import (
     AREA_UNITS,
     VOLUME_UNITS,
@@ -21,7 +20,16 @@ from floeflow.report.figures.series import (
     pick_unit,
     time_axis,
 )
-from floeflow.report.figures.style import BLUE, FAINT, GREEN, INK, VERMILION, look, new_figure
+from floeflow.report.figures.style import (
+    BLUE,
+    FAINT,
+    GREEN,
+    INK,
+    VERMILION,
+    look,
+    new_figure,
+    style_axes,
+)
 
 SIZE = (6.0, 3.3)
 BUOYS_CAPTION = (

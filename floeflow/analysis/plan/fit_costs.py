@@ -157,7 +157,7 @@ def fit_costs(runs: Sequence[Run], old: Mapping[str, float]) -> dict[str, float]
 
 
 def fit_whole_runs(folders: Iterable[Path], job: float) -> dict[str, float]:
-    """Coefficients of stages that studies leave out, from whole runs: report, grid and land.
+    """Coefficients of stages that studies leave out: report, grid, tendencies and land.
 
     Parameters
     ----------
@@ -166,7 +166,8 @@ def fit_whole_runs(folders: Iterable[Path], job: float) -> dict[str, float]:
     job : float
         Seconds of a job that does next to nothing.
     """
-    found: dict[str, list[float]] = {"report": [], "land": [], "grid_per_cell": []}
+    names = ("report", "land", "grid_per_cell", "tendencies_per_cell")
+    found: dict[str, list[float]] = {name: [] for name in names}
     for folder in folders:
         cpu = stage_cpu(folder / "cpu")
         found["report"].append(sum(cpu.get(name, 0.0) for name in AFTER))
@@ -174,9 +175,13 @@ def fit_whole_runs(folders: Iterable[Path], job: float) -> dict[str, float]:
             found["land"].append(cpu["land"])
         if (folder / "grid.nc").is_file() and "fields" in cpu:
             sizes = read_grid(folder / "grid.nc").sizes
-            cells = sizes["x"] * sizes["y"] * sizes["time"]
+            cells = sizes["x"] * sizes["y"]
             chunks = len(list((folder / "fields").glob("*.nc")))
-            found["grid_per_cell"].append(max(0.0, (cpu["fields"] - chunks * job) / cells))
+            work = max(0.0, cpu["fields"] - chunks * job) / sizes["time"]
+            found["grid_per_cell"].append(work / cells)
+            if "tendencies" in cpu:
+                work = max(0.0, cpu["tendencies"] - job) / (sizes["time"] - 1)
+                found["tendencies_per_cell"].append(work / cells)
     return {name: median(values) for name, values in found.items() if values}
 
 

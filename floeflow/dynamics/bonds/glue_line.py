@@ -157,17 +157,43 @@ def loaded_less_than(
     ndarray
         True where the load is smaller.
     """
-    _, (a, b) = _in_frame(bonds, elements)
-    young, shear = (m / bonds["span"] / share for m in (params.young_modulus, params.shear_modulus))
-    tau = np.abs(0.5 * (a + b).real) * shear
+    normal, tau = line_stresses(bonds, elements, params, share)
     compressive = params.bond_strength(bonds["thickness"])
     tensile = params.tensile_share * compressive
     good = np.ones(len(tau), bool)
-    for xi in (bonds["crack_a"], 1.0 - bonds["crack_b"]):
-        sigma = -(a + xi * (b - a)).imag * young
+    for sigma in normal:
         good &= (sigma <= tensile) & (sigma >= -compressive)
         good &= tau <= (tensile - sigma) * math.tan(params.friction_angle)
     return good
+
+
+def line_stresses(
+    bonds: Arrays, elements: Arrays, params: EngineParams, share: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Stresses of the part of each line that holds, without damping.
+
+    Parameters
+    ----------
+    bonds : Arrays
+        Bond table of m bonds, by the names of `BOND_COLUMNS`.
+    elements : Arrays
+        Table of n elements, sorted by id.
+    params : EngineParams
+        Parameters of the engine.
+    share : float, optional
+        By which they are divided.
+
+    Returns
+    -------
+    tuple of ndarray
+        Normal stress at both ends of that part, above 0 in tension (Pa), (2, m), and the size of
+        the shear stress, the same all along it (Pa), (m,).
+    """
+    _, (a, b) = _in_frame(bonds, elements)
+    young, shear = (m / bonds["span"] / share for m in (params.young_modulus, params.shear_modulus))
+    ends = (bonds["crack_a"], 1.0 - bonds["crack_b"])
+    normal = np.stack([-(a + xi * (b - a)).imag * young for xi in ends])
+    return normal, np.abs(0.5 * (a + b).real) * shear
 
 
 def _in_frame(bonds: Arrays, elements: Arrays) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:

@@ -8,13 +8,13 @@ from datetime import datetime
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from floeflow.report.figures.floe_sizes import floe_figures
+from floeflow.report.figures.fracture import fracture_figures
 from floeflow.report.figures.series import AREA_UNITS, pick_unit, time_axis
 from floeflow.report.figures.style import (
     BLUE,
@@ -26,6 +26,7 @@ from floeflow.report.figures.style import (
     VERMILION,
     look,
     new_figure,
+    style_axes,
 )
 
 Array = NDArray[np.float64]
@@ -68,6 +69,7 @@ def analysis_figures(data: xr.Dataset, start: datetime) -> Iterator[Made]:
     for needed, least, make in makers:
         if needed in data.variables and _amount(data[needed]) >= least:
             yield make(data, start)
+    yield from fracture_figures(data)
     yield from floe_figures(data)
 
 
@@ -76,28 +78,6 @@ def _amount(values: xr.DataArray) -> float:
     if values.name == "rate_count":
         return float(values[0].sum())
     return float(np.isfinite(values.values.reshape(len(values), -1)).any(axis=1).sum())
-
-
-def style_axes(axes: Axes, x: str, y: str) -> None:
-    """Labels, a faint grid, no box.
-
-    Parameters
-    ----------
-    axes : Axes
-        Of the figure.
-    x : str
-        Labels of the axes, with units.
-    y : str
-        Labels of the axes, with units.
-    """
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
-    axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
-    # Labels between the powers of ten cost more time than the rest of a figure.
-    for scale, name in ((axes.xaxis, axes.get_xscale()), (axes.yaxis, axes.get_yscale())):
-        if name == "log":
-            scale.set_minor_formatter(NullFormatter())
 
 
 def _time(data: xr.Dataset, name: str, start: datetime) -> tuple[Array, str]:

@@ -19,9 +19,11 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, to_rgba
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from matplotlib.typing import ColorType
 
 from floeflow.report.figures.ticks import plain_ticks
@@ -77,6 +79,8 @@ class Quantity:
     share : float
         Share of the data below the upper end, and above the lower one, where that comes from the
         data: a few fast elements must not bleach all others.
+    signed : bool
+        Values of both signs, on a scale that is pale at 0 and reaches as far to both sides.
     """
 
     name: str
@@ -85,15 +89,15 @@ class Quantity:
     low: float | None = 0.0
     high: float | None = None
     share: float = 1.0
+    signed: bool = False
 
     @property
     def cmap(self) -> Colormap:
-        """The colour map without its darkest part, in which outlines and print would drown."""
+        """The colour map without its darkest parts, in which outlines and print would drown."""
         full = getattr(cmocean.cm, self.colours)
         dark_first = self.colours == "ice"
-        crop: Colormap = cmocean.tools.crop_by_percent(
-            full, 30 if dark_first else 12, which="min" if dark_first else "max"
-        )
+        which = "both" if self.signed else "min" if dark_first else "max"
+        crop: Colormap = cmocean.tools.crop_by_percent(full, 30 if dark_first else 12, which=which)
         return crop
 
     @property
@@ -137,6 +141,28 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def style_axes(axes: Axes, x: str, y: str) -> None:
+    """Labels, a faint grid, no box.
+
+    Parameters
+    ----------
+    axes : Axes
+        Of the figure.
+    x : str
+        Labels of the axes, with units.
+    y : str
+        Labels of the axes, with units.
+    """
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
+    axes.spines[["top", "right"]].set_visible(False)
+    # Labels between the powers of ten cost more time than the rest of a figure.
+    for scale, name in ((axes.xaxis, axes.get_xscale()), (axes.yaxis, axes.get_yscale())):
+        if name == "log":
+            scale.set_minor_formatter(NullFormatter())
 
 
 def write_png(figure: Figure, path: Path, dpi: int) -> bytes:

@@ -38,7 +38,7 @@
       image.data.set([palette[3 * level], palette[3 * level + 1], palette[3 * level + 2], 255], 4 * level);
     }
     context.putImageData(image, 0, 0);
-    find(".low").textContent = say(layer.low);
+    find(".low").textContent = (layer.below ? "≤ " : "") + say(layer.low);
     find(".high").textContent = (layer.beyond ? "≥ " : "") + say(layer.high);
     find(".unit").textContent = layer.unit;
     find(".about").textContent = `${layer.text} (${layer.source})`;
@@ -151,8 +151,8 @@
     if (column < 0 || row < 0 || column >= columns || row >= rows) return;
     const level = frames[(frame * rows + row) * columns + column];
     const value = layer.low + ((level - 1) / 254) * (layer.high - layer.low);
-    const more = level === 255 && layer.beyond ? "≥ " : "";
-    readout.textContent = level ? `${more}${say(value)} ${layer.unit}` : "no ice";
+    const more = level === 255 && layer.beyond ? "≥ " : level === 1 && layer.below ? "≤ " : "";
+    readout.textContent = level ? `${more}${say(value)} ${layer.unit}` : layer.none;
   });
   map.addEventListener("pointerleave", () => { readout.textContent = ""; });
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 from pathlib import Path
 
@@ -75,6 +76,32 @@ def test_all_that_was_found_is_told(scene_file: Path, tmp_path: Path) -> None:
         assert line in said.splitlines()
     pixels = np.asarray(Image.open(picture).convert("L"))
     assert pixels.std() > 10
+
+
+def test_floes_of_an_image_and_polygons_are_told(tmp_path: Path) -> None:
+    """So that a wrong pixel or place is seen before a run, and a shoreline is known to be read."""
+    numbers = np.zeros((20, 30), np.uint8)
+    numbers[2:8, 3:9], numbers[12:18, 20:28] = 3, 9
+    Image.fromarray(numbers).save(tmp_path / "floes.png")
+    x0, y0 = -1.0e5, -1.0e6
+    land = [[-10.0, 80.9], [-9.9, 80.9], [-9.9, 81.0], [-10.0, 80.9]]
+    shore = tmp_path / "shore.geojson"
+    shore.write_text(json.dumps({"type": "Polygon", "coordinates": [land]}))
+    scene = build_scene({
+        "name": "floes",
+        "effects": ["wind", "grid_output"],
+        "domain": {"x_min": x0, "x_max": x0 + 3e4, "y_min": y0, "y_max": y0 + 2e4, "spacing": 1e4},
+        "mask": {"land": "none", "shoreline": str(shore), "region": "greenland_sea",
+                 "labels": {"file": str(tmp_path / "floes.png"), "pixel": 1000.0}},
+        "packing": {"generator": "floes", "elements": 40},
+        "time": {"windows": 1},
+    })  # fmt: skip
+    said = say(find_inputs(scene)).splitlines()
+    assert f"mask: floes of {tmp_path / 'floes.png'}" in said
+    # 36 and 48 of 600 pixels.
+    told = "    2 numbers on 30 by 20 pixels of 1000 m over the scene; 14 % of them are ice"
+    assert told in said
+    assert f"shoreline: {shore}" in said and "ice only in: greenland_sea" in said
 
 
 def test_a_uniform_mask_and_the_sea_are_told(scene_file: Path, tmp_path: Path) -> None:

@@ -229,7 +229,7 @@ def test_reports_and_grids_are_timed_by_whole_runs(tmp_path: Path):
     (run / "cpu").mkdir(parents=True)
     (run / "fields").mkdir()
     stages = [("estimate", 1.0), ("diagnostics", 2.0), ("report", 4.0), ("land", 3.0)]
-    for rule, seconds in [*stages, ("fields", 2.5), ("fields", 3.5)]:
+    for rule, seconds in [*stages, ("fields", 2.5), ("fields", 3.5), ("tendencies", 1.6)]:
         path = run / f"cpu/{rule}-{seconds}.json"
         path.write_text(json.dumps({"rule": rule, "cpu_seconds": seconds}))
     grid = xr.Dataset(
@@ -240,7 +240,9 @@ def test_reports_and_grids_are_timed_by_whole_runs(tmp_path: Path):
         grid.to_netcdf(run / f"fields/{chunk}.nc")
     found = fit_whole_runs([run], job=1.0)
     # Two jobs of one second each; the other four are for 2 x 20 cells.
-    assert found == {"report": 7.0, "land": 3.0, "grid_per_cell": pytest.approx(0.1)}
+    # 0.6 seconds are for the 20 cells of one window.
+    per_cell = {"grid_per_cell": pytest.approx(0.1), "tendencies_per_cell": pytest.approx(0.03)}
+    assert found == {"report": 7.0, "land": 3.0, **per_cell}
     assert fit_whole_runs([], job=1.0) == {}
 
 

@@ -107,6 +107,30 @@ def test_universe_in_memory_is_what_the_dump_gives(run, frames, dump, states):
     np.testing.assert_array_equal(sorted(found.tolist()), sorted(pairs.tolist()))
 
 
+@pytest.mark.filterwarnings("error")
+def test_universe_has_the_fields_of_the_elements_at_each_frame(run, states):
+    """In any order of frames; an element that is gone is parked, and flagged."""
+    gone = states[-1].isel(element=slice(1, None))
+    frames = make_frames([*states[:-1], gone])
+    universe = make_universe(frames, corner(run))
+    seen = [(step.frame, step.aux.thickness.copy()) for step in universe.trajectory]
+    assert [frame for frame, _ in seen] == list(range(len(states)))
+    for frame, thickness in seen:
+        np.testing.assert_array_equal(thickness, frames["thickness"].values[frame])
+    ids = universe.atoms.ids
+    for frame in (len(states) - 1, 0, 1):
+        step = universe.trajectory[frame]
+        there = np.isin(ids, frames["id"].values[frames["present"].values[frame]])
+        np.testing.assert_array_equal(step.aux.present, there)
+        np.testing.assert_array_equal(step.aux.area, frames["area"].values[frame])
+    aux = universe.trajectory[-1].aux
+    assert not aux.present[0] and aux.mass[0] == aux.thickness[0] == aux.radius[0] == 0.0
+    assert aux.present[1:].all()
+    # A Universe of one frame has them too.
+    alone = make_universe(make_frames(states[:1]), corner(run))
+    np.testing.assert_array_equal(alone.trajectory.ts.aux.radius, states[0]["radius"].values)
+
+
 def test_places_beyond_the_reach_of_xtc_are_refused(run, frames, tmp_path):
     far = frames.assign(x=frames["x"] + 3e7)
     with pytest.raises(FloeError, match=r"elements\.xtc: an element is 3\d{4} km off the domain"):

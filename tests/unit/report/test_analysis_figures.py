@@ -12,6 +12,7 @@ import xarray as xr
 from floeflow.diagnostics.deformation import ORDERS
 from floeflow.diagnostics.thickness_distribution import EDGES
 from floeflow.report.figures.analyses import analysis_figures
+from floeflow.report.figures.fracture import envelope
 from floeflow.report.figures.style import as_svg
 from floeflow.report.summary import motion_facts
 
@@ -19,6 +20,7 @@ DAY = 86400.0
 NAMES = {
     *("ice_thickness_distribution", "ice_edge", "motion_deformation", "motion_wind"),
     *("motion_scaling", "motion_rates", "motion_lags", "floe_sizes_end"),
+    *("motion_features", "bonds_stress", "bonds_cracks"),
 }
 
 
@@ -38,6 +40,9 @@ def made(times: int, periods: tuple[str, ...], samples: int) -> xr.Dataset:
     law = {"power_law_exponent": "2.4", "power_law_error": "0.2", "power_law_from": "500"}
     law |= {"power_law_goodness": "0.4", "lognormal_mean": "6.5", "lognormal_spread": "0.9"}
     law |= {"likelihood_ratio": "0.3", "units": "m", "long_name": "diameters"}
+    many = 10 * max(times - 3, 1)
+    envelope = {"tensile_share": "0.2", "friction_angle_degrees": "30"}
+    angles = rng.random(18)
     return xr.Dataset(
         {
             "thickness_time": ("boundary", time),
@@ -75,6 +80,15 @@ def made(times: int, periods: tuple[str, ...], samples: int) -> xr.Dataset:
             "velocity_correlation_across": ("lag", np.zeros(lags)),
             "pair_dispersion": ("lag", 1e6 * np.arange(lags) ** 2.0),
             "floe_diameter_end": ("floe_end", floes, law),
+            "localised_share": ("interval", 0.1 + 0 * time),
+            "feature_density": ("interval", 2e-6 + 0 * time),
+            "feature_length": ("feature", 1e5 * rng.random(many)),
+            "angle": ("angle", (np.arange(18) + 0.5) * np.pi / 18),
+            **{f"{k}_angle_length": ("angle", angles) for k in ("feature", "crack", "line")},
+            "crack_size": ("crack", 1e4 * rng.random(many)),
+            "bond_stress_count": (("normal", "shear"), rng.random((76, 50)), envelope),
+            "normal": ("normal", np.linspace(-1.01, 0.49, 76)),
+            "shear": ("shear", np.linspace(0.01, 0.99, 50)),
         },
         attrs={"deformation": "Take care."},
     )
@@ -88,14 +102,23 @@ def test_a_long_run_has_all_figures(periods: tuple[str, ...]):
     assert "β(1): run 0.20 ± 0.01" in captions["motion_scaling"]
     assert "Take care." in captions["motion_scaling"]
     assert "1.20 %" in captions["motion_wind"] and "a = 2.40 ± 0.20" in captions["floe_sizes_end"]
-    assert all(text.endswith(".") and "nan" not in text for text in captions.values())
+    assert all(text.endswith((".", ")")) and "nan" not in text for text in captions.values())
+    assert "10 % of the ice" in captions["motion_features"]
+    assert "20 km for each 10,000 km²" in captions["motion_features"]
     assert b"<svg" in as_svg(found[0][2])
 
 
 def test_a_few_points_are_no_figure():
     data = made(3, ("all", "run"), 90).drop_vars(["scaling_exponent", "floe_diameter_end"])
     found = [name for name, _, _ in analysis_figures(data, datetime(1982, 1, 1))]
-    assert found == ["ice_thickness_distribution", "motion_wind"]
+    assert found == ["ice_thickness_distribution", "motion_wind", "bonds_stress"]
+
+
+def test_the_envelope_is_that_of_the_law():
+    """The tip is the tensile strength; crushing ends it (docs/theory/contact.md)."""
+    normal, shear = envelope(0.2, np.radians(30.0))
+    assert (normal[0], shear[0]) == (0.2, 0.0) and normal[1] == -1.0
+    assert shear[1] == pytest.approx(1.2 * np.tan(np.radians(30.0)))
 
 
 def test_numbers_of_motion_name_their_source():

@@ -20,6 +20,7 @@ from floeflow.report.map_player import (
     make_player,
     round_up,
     time_labels,
+    with_tendencies,
 )
 from floeflow.scene.blocks import Domain
 
@@ -103,6 +104,38 @@ def test_stress_and_age_are_shown_where_a_scene_has_them():
     assert player is not None
     low = next(each["low"] for each in player["layers"] if each["name"] == "pressure")
     assert -45.0 <= low <= -40.0
+
+
+def test_tendencies_stand_at_the_ends_of_their_windows():
+    """In cm of ice a day, on a scale that is as long to both sides; nothing before the start."""
+    data = grid()
+    day = 917.0 / 100.0 / 86400.0
+    shape = ("time", "y", "x")
+    values = np.zeros((TIMES - 1, NY, NX))
+    # Freezes, then melts; what drifted into water and away again shows there too.
+    values[:, :2, :4] = np.array([2.0, -1.0])[:, None, None] * day
+    moved = np.zeros_like(values)
+    moved[1, 3, 7] = 0.5 * day
+    made = xr.Dataset(
+        {"sidmassth": (shape, values), "sidmassdyn": (shape, moved), "window": ("time", [1, 2])}
+    )
+    player = make_player(with_tendencies(data, made), frame(), datetime(1982, 1, 1), 86400.0)
+    assert player is not None
+    layers = {layer["name"]: layer for layer in player["layers"]}
+    assert list(layers)[-2:] == ["growth", "moved"]
+    growth = layers["growth"]
+    assert growth["source"] == "tendencies.nc: sidmassth" and growth["none"] == "no value"
+    assert growth["low"] == -growth["high"] == -2.0
+    levels = unpack(growth["data"]).reshape(TIMES, NY, NX)[:, ::-1].astype(float)
+    assert not levels[0].any()
+    back = growth["low"] + (levels[1:, :2, :4] - 1) / 254 * (growth["high"] - growth["low"])
+    np.testing.assert_allclose(back, values[:, :2, :4] / day, atol=0.01)
+    levels = unpack(layers["moved"]["data"]).reshape(TIMES, NY, NX)[:, ::-1]
+    assert levels[2, 3, 7] > 128 and levels[2, 3, 6] == 0
+    # Zero is the palest colour.
+    palette = np.frombuffer(base64.b64decode(growth["palette"]), np.uint8).reshape(255, 3)
+    assert palette.astype(int).sum(axis=1).argmax() in (126, 127, 128)
+    assert with_tendencies(data, None) is data
 
 
 def test_arrows_point_where_the_ice_goes():

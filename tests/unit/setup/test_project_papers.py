@@ -27,7 +27,7 @@ NO_AUTHOR = set(
     "Jan Feb Mar Apr Jun Jul Aug Sep Oct Nov Dec Index LAWS".split()
 )
 # Names that code, which is ASCII, writes without their accents.
-PLAIN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
+PLAIN = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ó": "O"})
 LINE_STARTS = re.compile(r"\s*\n\s*(?:#|//|\*)?\s*")
 
 
