@@ -20,6 +20,7 @@ from floeflow.analysis.single_column.forcing_file import PointForcing, read_poin
 from floeflow.analysis.single_column.year import run_column, start_columns
 from floeflow.column.params import Settings
 from floeflow.column.schemes import SCHEMES
+from floeflow.core.atomic_write import spare_inputs
 from floeflow.core.errors import FloeError, answer
 from floeflow.forcings.files import all_files
 from floeflow.report.figures.column import column_figure
@@ -239,6 +240,8 @@ def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
     }
     place = None if given.lon is None else (given.lon, given.lat)
     files = all_files(map(str, given.forcing), "floeflow column")
+    spare_inputs("--output", given.output, files)
+    spare_inputs("--figure", given.figure, files)
     forcing = read_point(files, settings, constant, place, given.accumulation)
     return forcing if given.start is None else forcing.beginning(start_of(given.start))
 
@@ -294,7 +297,6 @@ def run(given: argparse.Namespace) -> str:
     title = f"{given.scheme}, {settings.categories} categor"
     title += "y" if settings.categories == 1 else "ies"
     figure = column_figure(data, forcing.first, f"{title}: {files}")
-    given.figure.parent.mkdir(parents=True, exist_ok=True)
     write_png(figure, given.figure, 150)
     thickness = data["ice_volume"].values
     balance = ", ".join(f"{kind} {left:.1e}" for kind, left in worst.items())

@@ -246,6 +246,13 @@ def test_values_that_would_fail_later_are_refused(forcing: Path):
         run(asked(forcing, "--every", "1e-3"))
 
 
+@pytest.mark.parametrize("option", ["--output", "--figure"])
+def test_the_forcing_is_not_written_over(forcing: Path, option: str):
+    given = asked(forcing, option, str(forcing))
+    with pytest.raises(FloeError, match=f"{option} .*era5.nc: this is a file that is read"):
+        forcing_of(given, settings_of(given))
+
+
 def test_a_run_begins_within_its_forcing(forcing: Path):
     given = asked(forcing)
     later = asked(forcing, "--start", "2020-01-03T06:00")
