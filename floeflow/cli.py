@@ -15,8 +15,10 @@ import typer
 from floeflow.analysis import documents, input_check
 from floeflow.analysis.estimate.command import tell
 from floeflow.analysis.plan import command as plan_command
+from floeflow.analysis.reading_process import files_behind
 from floeflow.analysis.resolve import checked_scene
 from floeflow.analysis.single_column import run as column_command
+from floeflow.core.atomic_write import spare_inputs
 from floeflow.core.errors import FloeError, answer, answer_quietly
 from floeflow.report.run_so_far import report_so_far
 from floeflow.scene.docs import PROJECT
@@ -73,6 +75,8 @@ def check(
 
 def _check(path: Path, plot: Path | None) -> str:
     scene = checked_scene(path)
+    if plot is not None:
+        spare_inputs("--plot", plot, [path, *(Path(name) for name, _, _ in files_behind(scene))])
     said = [f"{path}: scene '{scene.name}' with {', '.join(scene.effects)}"]
     said.append(input_check.say(input_check.find_inputs(scene)))
     if plot is not None:

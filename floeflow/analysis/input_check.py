@@ -12,25 +12,24 @@ from pathlib import Path
 
 import numpy as np
 
+from floeflow.analysis.file_checks import check_files
 from floeflow.core import area_means, fields, times
 from floeflow.core import cf_reading as cf
 from floeflow.core.grids import mask_grid, scene_crs, scene_grid, to_lonlat
 from floeflow.coupling.sea.reading import (
     SEA_FIELDS,
-    check_sea_file,
     find_sea,
     sea_hints,
     sea_path,
 )
 from floeflow.forcings.forcing import FINER
-from floeflow.forcings.inputs import check_forcing_file, opened
+from floeflow.forcings.inputs import opened
 from floeflow.forcings.tracks import Track
 from floeflow.forcings.window import window_forcing
 from floeflow.masks.labels import read_labels
 from floeflow.masks.mask import make_mask
 from floeflow.masks.mask_file import (
     Wanted,
-    check_mask_file,
     mask_hints,
     nearest_time,
     wanted_variables,
@@ -82,14 +81,12 @@ def find_inputs(scene: Scene) -> list[Finding]:
     Raises
     ------
     FloeError
-        As `check_mask_file` and `check_forcing_file`.
+        As `check_files`.
     """
-    check_mask_file(scene)
-    check_forcing_file(scene)
+    check_files(scene)
     found = [*_of_mask(scene), Finding("mask land", LAND.get(scene.mask.land, scene.mask.land))]
     found += _of_polygons(scene)
     if "mixed_layer" in scene.effects:
-        check_sea_file(scene)
         found += _of_sea(scene)
     return [*found, *_of_forcing(scene)]
 

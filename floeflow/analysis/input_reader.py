@@ -9,10 +9,8 @@ from __future__ import annotations
 import resource
 import sys
 
+from floeflow.analysis.file_checks import check_files
 from floeflow.core.errors import FloeError, answer
-from floeflow.coupling.sea.reading import check_sea_file
-from floeflow.forcings.inputs import check_forcing_file
-from floeflow.masks.mask_file import check_mask_file
 from floeflow.scene import Scene
 
 MOST_BYTES = 12 * 2**30
@@ -25,10 +23,7 @@ def _check() -> str:
         resource.setrlimit(kind, (most if hard < 0 else min(most, hard), hard))
     scene = Scene.model_validate_json(sys.stdin.read())
     try:
-        check_mask_file(scene)
-        check_forcing_file(scene)
-        if "mixed_layer" in scene.effects:
-            check_sea_file(scene)
+        check_files(scene)
     except MemoryError:
         raise FloeError(
             f"{scene.mask.file}, or the forcing, asks for more than {MOST_BYTES >> 30} GiB"

@@ -15,7 +15,9 @@ import sys
 from pathlib import Path
 
 from floeflow.core.errors import FloeError
+from floeflow.core.polygon_names import files_of_polygons
 from floeflow.forcings.files import users_files
+from floeflow.masks.polygon_inputs import polygon_inputs
 from floeflow.scene import Scene
 
 # Processor time of a check: of any, and for each megabyte of its files.
@@ -37,6 +39,8 @@ def files_behind(scene: Scene) -> list[tuple[str, int, int]]:
             scene.mask.file,
             *users_files(scene),
             *(name for name in (scene.sea.file, scene.mask.labels.file) if name),
+            *polygon_inputs(scene.mask),
+            *files_of_polygons(scene.packing.size.polygons),
         ]
     except FloeError:
         given = [scene.mask.file]

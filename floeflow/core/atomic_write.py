@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from floeflow.core.errors import FloeError
@@ -30,6 +30,9 @@ def write_atomically(path: Path) -> Iterator[Path]:
     """
     temporary = None
     try:
+        # A name could be put over a device, and for an administrator it would be.
+        if path.exists() and not path.is_file():
+            raise FloeError(f"{path}: cannot be written: it is a folder, a pipe or a device")
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
         temporary = Path(name)
@@ -47,6 +50,27 @@ def write_atomically(path: Path) -> Iterator[Path]:
         if temporary is not None:
             with contextlib.suppress(OSError):
                 temporary.unlink()
+
+
+def spare_inputs(option: str, path: Path, inputs: Iterable[Path]) -> None:
+    """Refuse to write over a file that is read.
+
+    Parameters
+    ----------
+    option : str
+        That names the file to write.
+    path : Path
+        The file to write.
+    inputs : iterable of Path
+        Files that are read.
+
+    Raises
+    ------
+    FloeError
+        Names the option and the file.
+    """
+    if path.exists() and any(each.exists() and path.samefile(each) for each in inputs):
+        raise FloeError(f"{option} {path}: this is a file that is read, and would be lost")
 
 
 def write_text(text: str, path: Path) -> None:

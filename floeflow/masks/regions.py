@@ -14,9 +14,10 @@ import shapely
 from numpy.typing import NDArray
 
 from floeflow.core.errors import FloeError
-from floeflow.core.grids import Grid
+from floeflow.core.grids import Grid, mask_grid
 from floeflow.core.polygon_file import project, read_polygons, within
 from floeflow.core.polygon_names import is_polygon_file
+from floeflow.scene import Scene
 
 Flags = NDArray[np.bool_]
 
@@ -40,6 +41,26 @@ SEAS = {
     "ross_sea": (160.0, 230.0, -79.0, -60.0),
     "weddell_sea": (-62.0, 20.0, -79.0, -60.0),
 }
+
+
+def check_regions(scene: Scene) -> None:
+    """Refuse a region or shoreline that the mask stage could not use.
+
+    Parameters
+    ----------
+    scene : Scene
+        Blocks ``domain`` and ``mask``.
+
+    Raises
+    ------
+    FloeError
+        As `region_cells` and `shore_cells`.
+    """
+    grid = mask_grid(scene.domain, scene.mask.refine)
+    if scene.mask.region:
+        region_cells(scene.mask.region, grid, scene.domain.crs)
+    if scene.mask.shoreline:
+        shore_cells(scene.mask.shoreline, grid, scene.domain.crs)
 
 
 def region_cells(region: str, grid: Grid, crs: str) -> Flags:

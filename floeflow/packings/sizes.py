@@ -8,6 +8,7 @@ growing from its own size to 1 over `reach`, so that neighbours never differ muc
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
@@ -61,18 +62,44 @@ def relative_size(
         narrow = strait_width(grid, land) / (keys.across * coarse)
         size = np.minimum(size, np.maximum(narrow, keys.smallest))
     if keys.polygons:
-        for polygon, properties in read_polygons(keys.polygons, crs):
-            wanted = properties.get("size")
-            truth = isinstance(wanted, bool)
-            if truth or not isinstance(wanted, int | float) or not 0 < wanted <= 1:
-                raise FloeError(
-                    f"{keys.polygons}: each polygon needs a property 'size' above 0 and up to 1, "
-                    f"the relative size of elements in it (got {wanted!r})"
-                )
+        for polygon, wanted in sized_polygons(keys.polygons, crs):
             inside = within(polygon, *grid.mesh())
             if inside.any():
-                size = np.minimum(size, _grown(_away(grid, inside), float(wanted), keys.reach))
+                size = np.minimum(size, _grown(_away(grid, inside), wanted, keys.reach))
     return np.maximum(size, keys.smallest)
+
+
+def sized_polygons(path: str, crs: str) -> list[tuple[shapely.Geometry, float]]:
+    """Polygons of a file, each with the relative size of elements in it.
+
+    Parameters
+    ----------
+    path : str
+        GeoJSON file.
+    crs : str
+        Projection to bring them to (pyproj name).
+
+    Returns
+    -------
+    list of (shapely.Geometry, float)
+        Polygons in projected metres, and their sizes.
+
+    Raises
+    ------
+    FloeError
+        For a file that cannot be read, or a polygon without a size above 0 and up to 1.
+    """
+    found = []
+    for polygon, properties in read_polygons(path, crs):
+        wanted = properties.get("size")
+        truth = isinstance(wanted, bool)
+        if truth or not isinstance(wanted, int | float) or not 0 < wanted <= 1:
+            raise FloeError(
+                f"{path}: each polygon needs a property 'size' above 0 and up to 1, "
+                f"the relative size of elements in it (got {wanted!r})"
+            )
+        found.append((polygon, float(wanted)))
+    return found
 
 
 def _away(grid: Grid, flags: Flags) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import math
+from datetime import timedelta
 from typing import TYPE_CHECKING
 
 from floeflow.core.errors import FloeError
@@ -46,6 +47,11 @@ def check_combinations(scene: Scene) -> None:
     _check_step(scene)
     if "walls" in scene.effects and not scene.walls.names:
         raise FloeError("effects: 'walls' is named but walls.rim, planes and mesh name none")
+    for number, (_, _, *normal, _, _) in enumerate(scene.walls.planes):
+        if math.hypot(*normal) == 0.0:
+            raise FloeError(
+                f"walls.planes.{number}: its normal is 0, so which side is the ice's is not said"
+            )
     if len(set(scene.walls.rim)) < len(scene.walls.rim):
         raise FloeError("walls.rim names a side twice")
     if len(set(scene.gates.names)) < len(scene.gates.names):
@@ -191,6 +197,13 @@ def _check_times(scene: Scene) -> None:
     # Refuses what would be too many jobs.
     window_chunks(scene.time.windows, scene.workflow.windows_per_job)
     window = scene.time.window
+    try:
+        scene.time.start + timedelta(seconds=scene.time.windows * window)
+    except OverflowError:
+        raise FloeError(
+            f"time: {scene.time.windows} windows of {window:g} s from {scene.time.start} on end "
+            "after the year 9999, the last that is known"
+        ) from None
     if scene.forcing.source != "file":
         steps = window / scene.forcing.step
         if not math.isclose(steps, round(steps), rel_tol=1e-12) or round(steps) < 1:

@@ -18,8 +18,8 @@ from floeflow.workflow.library import library_digest
 
 PASSED = Path("results/inputs/passed")
 KEYS: dict[str, bool | set[str]] = {
-    **dict.fromkeys(("domain", "mask", "forcing", "time", "effects", "sea"), True),
-    "packing": {"generator"},
+    **dict.fromkeys(("domain", "mask", "forcing", "grounding", "time", "effects", "sea"), True),
+    "packing": {"generator", "size"},
 }
 
 
@@ -54,6 +54,6 @@ def check_inputs(scene: Scene, passed: set[str], remember: bool = True) -> None:
 def _digest(scene: Scene) -> str:
     """Digest of what a check depends on."""
     keys = scene.model_dump(mode="json", include=KEYS)
-    code = [library_digest("mask"), library_digest("windows")]
+    code = [library_digest(stage) for stage in ("mask", "packing", "windows")]
     text = json.dumps([keys, files_behind(scene), code], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]

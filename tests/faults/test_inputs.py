@@ -19,6 +19,7 @@ import yaml
 from typer.testing import CliRunner
 
 from floeflow.analysis import reading_process
+from floeflow.analysis.file_checks import check_files
 from floeflow.cli import app
 from floeflow.core.errors import FloeError, answer
 from floeflow.core.grids import mask_grid
@@ -32,6 +33,7 @@ from floeflow.scene.blocks import Sizes
 
 HERE = Path(__file__).parent
 TABLE = yaml.safe_load((HERE / "inputs.yaml").read_text())
+FILES = yaml.safe_load((HERE / "files.yaml").read_text())
 
 
 def write_map(path: Path, case: dict[str, Any]) -> None:
@@ -69,6 +71,31 @@ def test_a_hostile_file_is_refused_in_a_sentence(case: dict[str, Any], tmp_path:
         make_mask(scene, None)
     said = str(refusal.value)
     assert case["says"] in said and len(said) < 500 and said.isprintable()
+
+
+@pytest.mark.parametrize("case", FILES, ids=[case["says"] for case in FILES])
+def test_every_file_of_a_scene_is_looked_at_before_its_first_job(
+    case: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.geojson").write_text(case.get("holds", ""))
+    scene = parse_scene(case["scene"].encode(), "a")
+    mask = scene.mask.model_copy(update={"uniform": 0.9, "file": "", "land": "none"})
+    with pytest.raises(FloeError) as refusal:
+        check_files(scene.model_copy(update={"mask": mask}))
+    said = str(refusal.value)
+    assert case["says"] in said and len(said) < 500 and said.isprintable()
+
+
+def test_a_check_is_made_again_where_a_file_of_polygons_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    text = b"mask: {region: a.json, shoreline: b.shp}\npacking: {size: {polygons: c.json}}"
+    for name in ("a.json", "b.shp", "b.prj", "c.json"):
+        (tmp_path / name).write_text(name)
+    there = [name for name, _, _ in reading_process.files_behind(parse_scene(text, "a"))]
+    assert there == ["b.shp", "b.prj", "a.json", "c.json"]
 
 
 def spoil(start: int, filling: bytes) -> Callable[[bytearray], None]:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from floeflow.analysis.estimate.resources import job_memory, job_minutes, job_ranks
 from floeflow.analysis.studies.plans import STUDIES, study_variants
+from floeflow.core.polygon_names import files_of_polygons
 from floeflow.diagnostics.study_summaries import valid_summaries
 from floeflow.forcings.files import users_files
 from floeflow.masks.polygon_inputs import polygon_inputs
@@ -52,6 +53,11 @@ def mask_file(wildcards):
     mask = SCENES.scene(wildcards.scene).mask
     ice = mask.labels.file or ("" if mask.uniform else mask.file)
     return [path for path in (ice, *polygon_inputs(mask)) if path]
+
+
+def size_polygons(wildcards):
+    """The user's polygons with sizes of elements, where the scene names them."""
+    return files_of_polygons(SCENES.scene(wildcards.scene).packing.size.polygons)
 
 
 def land_file(wildcards):

@@ -75,6 +75,7 @@ rule packing:
         scene=ancient(scene_file),
         mask=made("mask", "preprocess/mask.nc"),
         walls=wall_mesh,
+        sizes=size_polygons,
     output:
         packing="results/{scene}/preprocess/packing.nc",
     log:

@@ -20,6 +20,7 @@ from floeflow.analysis.single_column.forcing_file import PointForcing, read_poin
 from floeflow.analysis.single_column.year import run_column, start_columns
 from floeflow.column.params import Settings
 from floeflow.column.schemes import SCHEMES
+from floeflow.core.atomic_write import spare_inputs
 from floeflow.core.errors import FloeError, answer
 from floeflow.forcings.files import all_files
 from floeflow.report.figures.column import column_figure
@@ -37,6 +38,28 @@ PROCESSES = tuple(
     if effect.column and effect.needs == ("thermodynamics",)
 )
 DAY = 86400.0
+
+# Largest sizes of what the options give; of those that scenes have, as theirs.
+MOST = {
+    "thickness": 20.0,
+    "snow": 5.0,
+    "salinity": 45.0,
+    "mixed_layer_depth": 500.0,
+    "new_ice_thickness": 1.0,
+    "ocean_heat_flux": 1000.0,
+    "pressure": 110_000.0,
+    "friction_velocity": 1.0,
+    "layers": 50,
+    "categories": 20,
+    "step": 3.2e7,
+    "every": 3.2e9,
+    "days": 1e6,
+    "repeat": 10_000,
+    "lon": 360.0,
+    "lat": 90.0,
+}
+LEAST_STEP = 1.0  # s, as in scenes
+MOST_RECORDS = 1_000_000
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -134,6 +157,11 @@ def check(given: argparse.Namespace) -> None:
     for name in ("thickness", "snow", "days", "salinity", "friction_velocity"):
         if not getattr(given, name) >= 0:
             raise FloeError(f"--{name.replace('_', '-')} must not be below zero")
+    for name, most in MOST.items():
+        if not abs(getattr(given, name) or 0.0) <= most:
+            raise FloeError(f"--{name.replace('_', '-')} must be at most {most:g}")
+    if given.step < LEAST_STEP:
+        raise FloeError(f"--step must be {LEAST_STEP:g} s or more")
     if not 0 <= given.fraction <= 1:
         raise FloeError("--fraction must lie between 0 and 1")
     if given.scheme == "mushy" and given.salinity < LEAST_SALINITY:
@@ -191,7 +219,10 @@ def physics_of(given: argparse.Namespace) -> ColumnPhysics:
         name, equals, value = word.partition("=")
         if not equals:
             raise FloeError(f"--physics {word}: give a key and its value, as emissivity=0.97")
-        values[name] = yaml.safe_load(value)
+        try:
+            values[name] = yaml.safe_load(value)
+        except yaml.YAMLError:
+            raise FloeError(f"--physics {word}: {value!r} is no value") from None
     column = {"scheme": given.scheme, "light": given.light}
     effects = ["thermodynamics", *(("shortwave", "ponds") if given.ponds else ())]
     keys = {"name": "column", "effects": effects, "column": column, "physics": values}
@@ -225,6 +256,8 @@ def forcing_of(given: argparse.Namespace, settings: Settings) -> PointForcing:
     }
     place = None if given.lon is None else (given.lon, given.lat)
     files = all_files(map(str, given.forcing), "floeflow column")
+    spare_inputs("--output", given.output, files)
+    spare_inputs("--figure", given.figure, files)
     forcing = read_point(files, settings, constant, place, given.accumulation)
     return forcing if given.start is None else forcing.beginning(start_of(given.start))
 
@@ -267,6 +300,11 @@ def run(given: argparse.Namespace) -> str:
     forcing = forcing_of(given, settings)
     length = given.repeat * (given.days * DAY or forcing.length)
     length -= 0.0 if given.days else forcing.begin
+    if length / given.every > MOST_RECORDS:
+        raise FloeError(
+            f"--every {given.every:g} asks for {length / given.every:.3g} records; at most "
+            f"{MOST_RECORDS} are allowed"
+        )
     surface = float(forcing(0.0)["air_temperature"][0])
     columns = start_columns(settings, given.thickness, given.fraction, given.snow, surface)
     began = time.perf_counter()
@@ -285,7 +323,6 @@ def run(given: argparse.Namespace) -> str:
     title = f"{given.scheme}, {settings.categories} categor"
     title += "y" if settings.categories == 1 else "ies"
     figure = column_figure(data, forcing.first, f"{title}: {files}")
-    given.figure.parent.mkdir(parents=True, exist_ok=True)
     write_png(figure, given.figure, 150)
     thickness = data["ice_volume"].values
     balance = ", ".join(f"{kind} {left:.1e}" for kind, left in worst.items())

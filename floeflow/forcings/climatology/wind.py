@@ -128,8 +128,8 @@ def storms(seed: int, first: float, last: float, northern: bool, storminess: flo
     found = []
     begin = int(np.floor((first - LONGEST_LIFE) / BLOCK))
     for block in range(begin, int(np.floor(last / BLOCK)) + 1):
-        # Negative numbers of blocks before 2000 are no seeds.
-        rng = np.random.Generator(np.random.PCG64([seed, block + 100_000, int(northern)]))
+        # Negative numbers are no seeds: those of blocks long before 2000 come round from above.
+        rng = np.random.Generator(np.random.PCG64([seed, (block + 100_000) % 2**32, int(northern)]))
         season = _winter(block * BLOCK, northern)
         for track in TRACKS_NORTH if northern else TRACKS_SOUTH:
             count = int(rng.poisson(storminess * track.rate * (0.7 + 0.3 * season)))

@@ -26,6 +26,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from matplotlib.typing import ColorType
 
+from floeflow.core.atomic_write import write_atomically
 from floeflow.report.figures.ticks import plain_ticks
 
 # cmocean builds its maps with an argument that matplotlib is about to drop, and warns of each.
@@ -181,10 +182,15 @@ def write_png(figure: Figure, path: Path, dpi: int) -> bytes:
     -------
     bytes
         Of the file.
+
+    Raises
+    ------
+    FloeError
+        Where it cannot be written.
     """
-    with look():
+    with look(), write_atomically(path) as temporary:
         plain_ticks(figure)
-        figure.savefig(path, dpi=dpi, format="png", metadata={"Software": "FloeFlow"})
+        figure.savefig(temporary, dpi=dpi, format="png", metadata={"Software": "FloeFlow"})
     return path.read_bytes()
 
 

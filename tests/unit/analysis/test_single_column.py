@@ -222,11 +222,35 @@ def test_bad_forcing_is_one_sentence(tmp_path: Path, change, sentence: str):
         (["--ponds", "--scheme", "zero_layer"], "--ponds needs --scheme bl99 or mushy"),
         (["--scheme", "mushy", "--salinity", "0"], r"--salinity must be 0.5 \(1e-3\) or more"),
         (["--mixed-layer-depth", "nan"], "--mixed-layer-depth must be above zero"),
+        (["--step", "1e-300"], "--step must be 1 s or more"),
+        (["--days", "inf"], r"--days must be at most 1e\+06"),
+        (["--thickness", "1e300"], "--thickness must be at most 20"),
+        (["--categories", "1000000"], "--categories must be at most 20"),
+        (["--ocean-heat-flux", "nan"], "--ocean-heat-flux must be at most 1000"),
+        (["--lat", "999", "--lon", "0"], "--lat must be at most 90"),
     ],
 )
 def test_bad_numbers_are_one_sentence(more: list[str], sentence: str):
     with pytest.raises(FloeError, match=sentence):
         check(asked(Path("none.nc"), *more))
+
+
+def test_values_that_would_fail_later_are_refused(forcing: Path):
+    for word, sentence in (
+        ("emissivity=[", r"--physics emissivity=\[: '\[' is no value"),
+        ("emissivity=[1]", "physics.emissivity: input should be a valid number"),
+    ):
+        with pytest.raises(FloeError, match=sentence):
+            settings_of(asked(forcing, "--physics", word))
+    with pytest.raises(FloeError, match="--every 0.001 asks for .* records; at most 1000000 are"):
+        run(asked(forcing, "--every", "1e-3"))
+
+
+@pytest.mark.parametrize("option", ["--output", "--figure"])
+def test_the_forcing_is_not_written_over(forcing: Path, option: str):
+    given = asked(forcing, option, str(forcing))
+    with pytest.raises(FloeError, match=f"{option} .*era5.nc: this is a file that is read"):
+        forcing_of(given, settings_of(given))
 
 
 def test_a_run_begins_within_its_forcing(forcing: Path):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from floeflow.core.atomic_write import write_atomically, write_text
+from floeflow.core.atomic_write import spare_inputs, write_atomically, write_text
 from floeflow.core.errors import FloeError
 
 
@@ -41,3 +41,26 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(FloeError, match=r"a\.txt: cannot be written: Not a directory|File exists"):
         write_text("", tmp_path / "file" / "a.txt")
+
+
+def test_a_device_stays_what_it_is(tmp_path: Path):
+    os.mkfifo(tmp_path / "pipe.nc")
+    for place in (tmp_path / "pipe.nc", tmp_path):
+        with pytest.raises(
+            FloeError, match="cannot be written: it is a folder, a pipe or a device"
+        ):
+            write_text("new", place)
+    assert [path.name for path in tmp_path.iterdir()] == ["pipe.nc"]
+    assert (tmp_path / "pipe.nc").is_fifo()
+    with pytest.raises(FloeError, match="cannot be written: File name too long"):
+        write_text("new", tmp_path / ("x" * 300))
+
+
+def test_what_is_read_is_not_written_over(tmp_path: Path):
+    there = tmp_path / "mask.nc"
+    there.write_text("ice")
+    (tmp_path / "same.nc").symlink_to(there)
+    spare_inputs("--output", tmp_path / "new.nc", [there, tmp_path / "none.nc"])
+    for place in (there, tmp_path / "same.nc"):
+        with pytest.raises(FloeError, match=r"--output .*nc: this is a file that is read"):
+            spare_inputs("--output", place, [there])

@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-from datetime import datetime
+from datetime import datetime, timedelta
 
 import numpy as np
 import pytest
 
 from floeflow.core.constants import AIR_DENSITY, EARTH_RADIUS, EARTH_ROTATION
 from floeflow.core.monthly import MIDDLES, at_day, blend
-from floeflow.forcings.climatology import NAMES, fields, ocean, tables
+from floeflow.forcings.climatology import NAMES, fields, ocean, tables, wind
 from floeflow.forcings.climatology.wind import SURFACE_SHARE, TURN, pressure_and_wind
 from floeflow.forcings.forcing import make_forcing
 from floeflow.scene.blocks import Climatology
@@ -113,6 +113,13 @@ def test_storms_are_the_seed_s_and_any_window_is_made_by_itself():
     np.testing.assert_array_equal(part, whole[40:])
     other = fields(lon, lat, START, YEAR, ["wind_u"], Climatology(seed=5), 30.0)["wind_u"]
     assert np.abs(other - whole).max() > 1.0
+
+
+def test_the_first_year_has_storms_too():
+    """Its blocks of days are so long before 2000 that their numbers are below those of seeds."""
+    first = (datetime(1, 1, 1) - datetime(2000, 1, 1)) / timedelta(days=1)
+    found = wind.storms(1, first, first + 30.0, True, 1.0)
+    assert found and found[0].birth < first + 30.0
 
 
 def test_currents_are_those_of_the_charts():
