@@ -29,6 +29,9 @@ from floeflow.report.figures.style import Quantity, common_limits, nice_step
 SECONDS_PER_DAY = 86400.0
 # Values of a byte: 0 says that there is no ice.
 LEVELS = 255
+# Steps of the scale of fields that change from window to window: all 254 would be noise that does
+# not deflate, and a year's report would have 10 MB.
+COARSE = 62
 # More frames than this add nothing that an eye can follow, and cost a reader's memory.
 MOST_FRAMES = 1500
 
@@ -56,6 +59,8 @@ class MapField:
         What it is, in a sentence.
     file : str
         Which file of the run holds them.
+    steps : int
+        Of the scale, that the page can tell apart; even.
     """
 
     title: str
@@ -65,6 +70,7 @@ class MapField:
     needs: tuple[str, ...]
     text: str
     file: str = "grid.nc"
+    steps: int = LEVELS - 1
 
 
 TENDENCIES = "tendencies.nc"
@@ -95,6 +101,7 @@ FIELDS: dict[str, MapField] = {
         Quantity("drift", "", "amp", share=0.99),
         ("siu", "siv"),
         "Drift speed; arrows show where the ice goes.",
+        steps=COARSE,
     ),
     "deformation": MapField(
         "Deformation",
@@ -103,6 +110,7 @@ FIELDS: dict[str, MapField] = {
         Quantity("deformation", "", "matter", share=0.98),
         ("sidivvel", "sishevel"),
         "Total deformation rate: the root of divergence squared plus shear squared.",
+        steps=COARSE,
     ),
     "damage": MapField(
         "Damage",
@@ -143,6 +151,7 @@ FIELDS: dict[str, MapField] = {
         Quantity("pressure", "", "rain", None, share=0.98),
         ("sistresave",),
         "Mean compression in the ice over its thickness; below 0 in tension.",
+        steps=COARSE,
     ),
     "shear_stress": MapField(
         "Shear stress",
@@ -151,6 +160,7 @@ FIELDS: dict[str, MapField] = {
         Quantity("shear_stress", "", "amp", share=0.98),
         ("sistremax",),
         "Largest shear stress in the ice over its thickness.",
+        steps=COARSE,
     ),
     "age": MapField(
         "Age",
@@ -168,6 +178,7 @@ FIELDS: dict[str, MapField] = {
         ("sidmassth",),
         "Ice that froze (above 0) or melted, per area of sea, mean of the window that ends here.",
         TENDENCIES,
+        COARSE,
     ),
     "moved": MapField(
         "Moved in",
@@ -178,6 +189,7 @@ FIELDS: dict[str, MapField] = {
         "Ice that drifted in (above 0) or away, per area of sea, mean of the window that ends "
         "here.",
         TENDENCIES,
+        COARSE,
     ),
 }
 
@@ -264,7 +276,7 @@ def with_tendencies(grid: xr.Dataset, tendencies: xr.Dataset | None) -> xr.Datas
     return grid.assign(added)
 
 
-def encode_frames(values: Array, low: float, high: float) -> Bytes:
+def encode_frames(values: Array, low: float, high: float, steps: int = LEVELS - 1) -> Bytes:
     """Values as bytes: 0 where not finite, 1 at the low end, 255 at the high end and beyond.
 
     Parameters
@@ -275,6 +287,8 @@ def encode_frames(values: Array, low: float, high: float) -> Bytes:
         Ends of the scale, in the same unit.
     high : float
         Ends of the scale, in the same unit.
+    steps : int, optional
+        Of the scale; an even number has a byte for its middle.
 
     Returns
     -------
@@ -283,9 +297,8 @@ def encode_frames(values: Array, low: float, high: float) -> Bytes:
     """
     share = np.clip((values - low) / (high - low), 0.0, 1.0)
     known = np.isfinite(values)
-    return np.where(known, 1 + np.rint(np.where(known, share, 0.0) * (LEVELS - 1)), 0).astype(
-        np.uint8
-    )
+    step = np.rint(np.where(known, share, 0.0) * steps)
+    return np.where(known, 1 + np.rint(step * ((LEVELS - 1) / steps)), 0).astype(np.uint8)
 
 
 def packed(data: Bytes | NDArray[np.int8]) -> str:
@@ -324,7 +337,7 @@ def make_layers(grid: xr.Dataset) -> Iterator[Layer]:
         if values is None:
             continue
         low, high = scale_ends(field.quantity, values)
-        frames = encode_frames(values[:, ::-1], low, high)
+        frames = encode_frames(values[:, ::-1], low, high, field.steps)
         beyond = bool(np.nanmax(values, initial=high) > high)
         below = bool(np.nanmin(values, initial=low) < low)
         yield Layer(name, low, high, beyond, below, packed(frames), palette_of(field.quantity))

@@ -96,7 +96,7 @@ def test_stress_and_age_are_shown_where_a_scene_has_them():
         layer = layers[name]
         levels = unpack(layer["data"]).reshape(TIMES, NY, NX)[:, 2:, :4].astype(float)
         back = layer["low"] + (levels - 1) / 254 * (layer["high"] - layer["low"])
-        step = (layer["high"] - layer["low"]) / 254
+        step = (layer["high"] - layer["low"]) / FIELDS[name].steps
         assert layer["unit"] == unit
         np.testing.assert_allclose(back, expected + 0.0 * back, atol=step, err_msg=name)
     tension = data.assign(sistresave=-data["sistresave"])
@@ -129,7 +129,8 @@ def test_tendencies_stand_at_the_ends_of_their_windows():
     levels = unpack(growth["data"]).reshape(TIMES, NY, NX)[:, ::-1].astype(float)
     assert not levels[0].any()
     back = growth["low"] + (levels[1:, :2, :4] - 1) / 254 * (growth["high"] - growth["low"])
-    np.testing.assert_allclose(back, values[:, :2, :4] / day, atol=0.01)
+    step = (growth["high"] - growth["low"]) / FIELDS["growth"].steps
+    np.testing.assert_allclose(back, values[:, :2, :4] / day, atol=step)
     levels = unpack(layers["moved"]["data"]).reshape(TIMES, NY, NX)[:, ::-1]
     assert levels[2, 3, 7] > 128 and levels[2, 3, 6] == 0
     # Zero is the palest colour.
@@ -150,6 +151,16 @@ def test_arrows_point_where_the_ice_goes():
 def test_values_beyond_the_scale_and_missing_ones():
     levels = encode_frames(np.array([np.nan, -1.0, 0.0, 5.0, 10.0, 99.0]), 0.0, 10.0)
     assert levels.tolist() == [0, 1, 1, 128, 255, 255]
+
+
+def test_a_coarse_scale_keeps_its_ends_and_its_middle():
+    values = np.linspace(-1.0, 1.0, 2001)
+    levels = encode_frames(values, -1.0, 1.0, 62)
+    assert len(np.unique(levels)) == 63
+    assert levels[[0, 1000, -1]].tolist() == [1, 128, 255]
+    fine = encode_frames(values, -1.0, 1.0)
+    assert abs(levels.astype(int) - fine.astype(int)).max() <= 3
+    assert {field.steps % 2 for field in FIELDS.values()} == {0}
 
 
 def test_land_is_drawn_where_the_mask_has_it():
