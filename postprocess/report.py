@@ -4,10 +4,8 @@
 import json
 from pathlib import Path
 
-import xarray as xr
-
 from floeflow.core.atomic_write import write_text
-from floeflow.diagnostics.collect import read_fields, read_grid
+from floeflow.diagnostics.collect import read_grid, read_tendencies
 from floeflow.diagnostics.study_summaries import read_summary
 from floeflow.forcings.inputs import described
 from floeflow.report.report import Material, build_report, read_numbers
@@ -20,13 +18,6 @@ def _inputs(scene: Scene, mask: str) -> list[str]:
     """What was read of mask and forcing, one a line."""
     notes = str(read_dataset(mask).attrs.get("notes", "")).splitlines()
     return [*notes, *described(scene)]
-
-
-def _tendencies(path: str) -> xr.Dataset | None:
-    """Tendencies on the grid, where the scene has them."""
-    if not path:
-        return None
-    return read_fields(Path(path), ("window", "sidmassth", "sidmassdyn"))
 
 
 def main(snakemake: Snakemake) -> None:
@@ -47,7 +38,7 @@ def main(snakemake: Snakemake) -> None:
         estimates=json.loads(Path(given.estimates).read_text(encoding="utf-8")),
         inputs=_inputs(scene, given.mask),
         studies=[read_summary(Path(path)) for path in snakemake.params.studies],
-        tendencies=_tendencies(given.tendencies),
+        tendencies=read_tendencies(given.tendencies) if given.tendencies else None,
     )
     page = build_report(scene, material, Path(snakemake.output.figures))
     write_text(page, Path(snakemake.output.report))

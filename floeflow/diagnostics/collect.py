@@ -387,6 +387,22 @@ def read_grid(path: Path) -> xr.Dataset:
     return with_shares(read_fields(path, ("x", "y", "siconc")))
 
 
+def read_tendencies(path: str) -> xr.Dataset:
+    """Read the file of tendencies on the grid, as `read_fields`.
+
+    Parameters
+    ----------
+    path : str
+        ``tendencies.nc``.
+
+    Returns
+    -------
+    xarray.Dataset
+        In memory.
+    """
+    return read_fields(Path(path), ("window", "sidmassth", "sidmassdyn"))
+
+
 def read_fields(path: Path, names: Sequence[str]) -> xr.Dataset:
     """Read a CF file that has to hold some variables, missing values as NaN, times as numbers.
 

@@ -106,7 +106,7 @@ def _stresses(data: xr.Dataset) -> Made:
         f"Stress of the {counts.sum():,.0f} bonds that hold at the end, each where it is nearest "
         "to failing, over its compressive strength (tension to the right), and the Mohr-Coulomb "
         f"envelope with a tensile strength of {tensile:.2g} of it and {angle:.0f}° of internal "
-        f"friction. {100 * pulled:.0f} % of the bonds are pulled. (analyses.nc: bond_stress_count)"
+        f"friction. {100 * pulled:.0f} % of the bonds are pulled (analyses.nc: bond_stress_count)."
     )
     return "bonds_stress", caption, figure
 
@@ -147,7 +147,7 @@ def _cracks(data: xr.Dataset) -> Made:
         "start (share of the length by direction on the map). Right: how many cracks are at least "
         f"as long; broken lines that meet in an element are one crack. {sizes.size:,} cracks of "
         f"{total:,.0f} km in all, the longest {sizes[0]:,.0f} km{network}. "
-        "(analyses.nc: crack_angle_length, crack_size)"
+        "(analyses.nc: crack_angle_length, crack_size)."
     )
     return "bonds_cracks", caption, figure
 
@@ -171,6 +171,6 @@ def _features(data: xr.Dataset) -> Made:
         f"intervals, median length {float(np.median(length)):,.0f} km, "
         f"{1e7 * float(np.mean(density)):.2g} km for each 10,000 km². Left: their directions on "
         "the map. Satellites' features are found by other rules (Hutter et al. 2019). "
-        "(analyses.nc: localised_share, feature_length, feature_angle_length)"
+        "(analyses.nc: localised_share, feature_length, feature_angle_length)."
     )
     return "motion_features", caption, figure

@@ -84,7 +84,7 @@ def test_floes_of_an_image_and_polygons_are_told(tmp_path: Path) -> None:
     numbers[2:8, 3:9], numbers[12:18, 20:28] = 3, 9
     Image.fromarray(numbers).save(tmp_path / "floes.png")
     x0, y0 = -1.0e5, -1.0e6
-    land = [[-10.0, 80.9], [-9.9, 80.9], [-9.9, 81.0], [-10.0, 80.9]]
+    land = [[-5.17, 81.045], [-4.88, 81.049], [-4.91, 81.094], [-5.17, 81.045]]
     shore = tmp_path / "shore.geojson"
     shore.write_text(json.dumps({"type": "Polygon", "coordinates": [land]}))
     scene = build_scene({
