@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from floeflow.diagnostics.collect import intact
+from floeflow.diagnostics.floe_sizes import fragments
 from floeflow.dynamics.bonds.glue_line import line_stresses
 from floeflow.dynamics.engine.params import EngineParams
 from floeflow.state.bonds import lines_in_space
@@ -138,12 +139,7 @@ def _directions(table: dict[str, Array], state: xr.Dataset) -> tuple[Array, Arra
 
 def _joined(pairs: Index, length: Array) -> Array:
     """Lengths of lines that share elements, added up, the longest first."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    known, place = np.unique(pairs, return_inverse=True)
-    place = place.reshape(pairs.shape)
-    links = coo_matrix((np.ones(len(pairs)), (place[:, 0], place[:, 1])), (known.size, known.size))
-    label = connected_components(links, directed=False)[1][place[:, 0]]
+    known = np.unique(pairs)
+    label = fragments(known, pairs)[np.searchsorted(known, pairs[:, 0])]
     sums = np.bincount(label, length).astype(np.float64)
     return np.sort(sums[sums > 0.0])[::-1]

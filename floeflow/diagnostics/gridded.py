@@ -96,6 +96,27 @@ def sea_room(mask: xr.Dataset, grid: Grid, reach: int) -> Room:
     return build_room(x[sea], y[sea], mask["cell_area"].values[sea], grid, reach=reach)
 
 
+def room_of(state: xr.Dataset, mask: xr.Dataset, grid: Grid, rooms: dict[int, Room]) -> Room:
+    """Sea in the cells, as a state's hats reach it.
+
+    Parameters
+    ----------
+    state : xarray.Dataset
+        Elements with ``area`` (m2).
+    mask : xarray.Dataset
+        As of `sea_room`.
+    grid : Grid
+        The scene grid.
+    rooms : dict
+        What was found for other states of the same mask and grid, by the reach of their hats; what
+        is not in it is added.
+    """
+    reach = hat_reach(state, grid)
+    if reach not in rooms:
+        rooms[reach] = sea_room(mask, grid, reach)
+    return rooms[reach]
+
+
 def hat_reach(state: xr.Dataset, grid: Grid) -> int:
     """Half-width of the hats in grid spacings: about two spacings of the elements.
 
@@ -267,8 +288,7 @@ def make_grid(
     forcing : mapping, optional
         From `floeflow.diagnostics.surface_forces.forcing_at`; without it no forces.
     rooms : dict, optional
-        The sea in the cells by the reach of the hats, as of `sea_room`, kept for the next state
-        of the same mask and grid; what is not in it is added.
+        As of `room_of`, kept for the next state of the same mask and grid.
 
     Returns
     -------
@@ -283,10 +303,7 @@ def make_grid(
     cells = scene_grid(scene.domain)
     grid = Grid(cells.x, cells.y)
     area = cell_areas(mask, grid.shape)
-    rooms, reach = {} if rooms is None else rooms, hat_reach(state, grid)
-    if reach not in rooms:
-        rooms[reach] = sea_room(mask, grid, reach)
-    room = rooms[reach]
+    room = room_of(state, mask, grid, {} if rooms is None else rooms)
     fields = gridded_fields(state, room, scene.grid.transfer)
     fields |= mass_transport(fields, area, room.area)
     if forcing:

@@ -21,7 +21,7 @@ from floeflow.core.constants import ICE_DENSITY
 from floeflow.core.errors import FloeError
 from floeflow.diagnostics.cf_output import MISSING, field_attributes, file_attributes
 from floeflow.diagnostics.collect import read_grid
-from floeflow.diagnostics.gridded import hat_reach, sea_room
+from floeflow.diagnostics.gridded import room_of
 from floeflow.diagnostics.tendencies import METHOD
 from floeflow.scene import Scene
 from floeflow.transfer import (
@@ -228,12 +228,10 @@ def _on_grid(
     target = Grid(fields["x"].values, fields["y"].values)
     rooms: dict[int, Room] = {}
     for state in snapshots:
-        reach = hat_reach(state, target)
-        if reach not in rooms:
-            rooms[reach] = sea_room(mask, target, reach)
+        room = room_of(state, mask, target, rooms)
         names = [name for name, v in state.data_vars.items() if v.dims == ("grown",)]
         places = {str(name): state[name].values for name in names}
-        yield int(state.attrs["window"]), growth_on_grid(places, rooms[reach])
+        yield int(state.attrs["window"]), growth_on_grid(places, room)
 
 
 def _described(scene: Scene, fields: xr.Dataset, made: Mapping[str, list[Array]]) -> xr.Dataset:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floeflow.diagnostics.deformation import Strain
+from floeflow.diagnostics.floe_sizes import fragments
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -78,7 +79,8 @@ def linear_features(strain: Strain, corners: Index, places: tuple[Array, Array])
     if not chosen.size:
         return Features(share, whole, none, none, none)
     x, y = (place[chosen] for place in places)
-    length, width, angle = _shapes(x, y, area[chosen], _pieces(corners, chosen, n))
+    sides = np.concatenate([corners[:, k] for k in ([0, 1], [1, 2], [2, 0])])
+    length, width, angle = _shapes(x, y, area[chosen], fragments(chosen, sides))
     spacing = np.sqrt(whole / np.count_nonzero(area))
     kept = (length >= LONG * spacing) & (length >= NARROW * width)
     return Features(share, whole, length[kept], width[kept], angle[kept])
@@ -93,19 +95,6 @@ def _localised(rate: Array, area: Array) -> tuple[Array, Array]:
         np.concatenate([start, carried / carried[-1]]),
         np.concatenate([start, area / area[-1]]),
     )
-
-
-def _pieces(corners: Index, chosen: Index, n: int) -> Index:
-    """Number of the piece of each chosen element: neighbours are of one, (chosen,)."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    place = np.full(n, -1)
-    place[chosen] = np.arange(chosen.size)
-    sides = place[np.concatenate([corners[:, k] for k in ([0, 1], [1, 2], [2, 0])])]
-    one, two = sides[(sides >= 0).all(axis=1)].T
-    links = coo_matrix((np.ones(one.size), (one, two)), (chosen.size, chosen.size))
-    return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
 
 
 def _shapes(x: Array, y: Array, area: Array, piece: Index) -> tuple[Array, Array, Array]:

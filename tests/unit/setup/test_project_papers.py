@@ -15,6 +15,7 @@ import yaml
 
 import floeflow
 from floeflow.state import SCHEMA_VERSION
+from support.listing import listed
 
 NAME = r"(?:De |van |von )?[A-Z][\wà-öø-ÿ'’\-]+"
 CITATION = re.compile(
@@ -57,14 +58,8 @@ def bibliography(project: Path) -> list[str]:
 
 def test_every_citation_is_in_the_bibliography(project: Path):
     entries = bibliography(project)
-    listed = subprocess.run(
-        ["git", "ls-files", "-co", "--exclude-standard", "*.py", "*.md", "*.h", "*.cpp", "*.yaml"],
-        cwd=project,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.split()
-    files = [project / name for name in listed if (project / name).exists()]
+    named = listed(project, "*.py", "*.md", "*.h", "*.cpp", "*.yaml")
+    files = [project / name for name in named]
     # This test makes up a source of its own.
     files = [file for file in files if file.name not in ("bibliography.md", Path(__file__).name)]
     found = {

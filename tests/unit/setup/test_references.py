@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
+
+from support.listing import listed
 
 FILE = re.compile(
     r"(?<![\w/.<*{$+-])((?:[\w.+-]+/)*[\w+-]{3,}"
@@ -22,17 +23,6 @@ ELSEWHERE = set(
     "table.md benchmarks/summary.md contact_models.h src/DEMSI/pair_gran_hopkins.cpp "
     "pair_gran_hopkins.cpp".split()
 )
-
-
-def listed(project: Path, *patterns: str) -> list[str]:
-    names = subprocess.run(
-        ["git", "ls-files", "-co", "--exclude-standard", *patterns],
-        cwd=project,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.split()
-    return [name for name in names if (project / name).is_file()]
 
 
 def lost_files(text: str, page: str, there: set[str]) -> set[str]:

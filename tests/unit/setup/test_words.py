@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import io
 import re
-import subprocess
 import tokenize
 from pathlib import Path
+
+from support.listing import listed
 
 # Modules of earlier versions, which said nothing of what they do.
 MODULES = set(
@@ -26,17 +27,10 @@ PHRASES = re.compile(
 TEXTS = ("*.md", "*.py", "*.smk", "*.yaml", "*.j2", "*.js", "*.sh", "*.h", "*.cpp", "Makefile")
 
 
-def listed(project: Path, *patterns: str) -> list[Path]:
+def other_files(project: Path, *patterns: str) -> list[Path]:
     """Files of the project, of this test none."""
-    names = subprocess.run(
-        ["git", "ls-files", "-co", "--exclude-standard", *patterns],
-        cwd=project,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.split()
-    files = [project / name for name in names if Path(name).name != Path(__file__).name]
-    return [file for file in files if file.is_file()]
+    files = [project / name for name in listed(project, *patterns)]
+    return [file for file in files if file.name != Path(__file__).name]
 
 
 def private_identifiers(source: str) -> set[str]:
@@ -49,17 +43,17 @@ def private_identifiers(source: str) -> set[str]:
 
 
 def test_modules_say_what_they_do(project: Path):
-    assert [path for path in listed(project, "*.py") if path.stem in MODULES] == []
+    assert [path for path in other_files(project, "*.py") if path.stem in MODULES] == []
 
 
 def test_identifiers_use_the_fields_words(project: Path):
-    found = {path: private_identifiers(path.read_text()) for path in listed(project, "*.py")}
+    found = {path: private_identifiers(path.read_text()) for path in other_files(project, "*.py")}
     assert {path: names for path, names in found.items() if names} == {}
 
 
 def test_sentences_are_plain(project: Path):
     found = {}
-    for path in listed(project, *TEXTS):
+    for path in other_files(project, *TEXTS):
         # Of what was renamed, the list of changes tells.
         if path.name != "CHANGELOG.md" and (match := PHRASES.search(path.read_text())):
             found[path.relative_to(project).as_posix()] = match[0]
