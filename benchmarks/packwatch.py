@@ -13,8 +13,10 @@ import numpy as np
 import shapely
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from floeflow.core import grids
+from floeflow.core.constants import EDGE_SHARE
 from floeflow.core.grids import scene_grid
 from floeflow.coupling.sea.shares import balanced_pull, build_shares
 from floeflow.dynamics.remesh.overlap import carried_polygons, overlap
@@ -78,6 +80,9 @@ class Watched:
     crowded, dealt : float
         Area claimed beyond the sea of the scene's cells, over all area: as outlines lie, and as
         the exchange with the sea deals it out (`floeflow.coupling.sea.shares`).
+    neighbours, touching : float
+        Medians of how many elements one touches, and of the length of these contacts over the
+        outline of a hexagon of its area.
     outlines_on_land, discs_on_land : float
         Ice area on land as outlines and as discs show it, over all ice area.
     bonded : float
@@ -97,6 +102,8 @@ class Watched:
     cells_overlap: float
     crowded: float
     dealt: float
+    neighbours: float
+    touching: float
     outlines_on_land: float
     discs_on_land: float
     bonded: float
@@ -161,6 +168,7 @@ def watch(state: xr.Dataset, sea: Sea) -> Watched:
     dry, wet = (on_land(each, sea.land) for each in (cells, round_))
     points = shapely.points(place)
     land = shapely.STRtree(sea.land)
+    neighbours, touching = contacts_of(place, state["radius"].values[rows], area)
     level_area = state["level_area"].values[rows] if "level_area" in state else 1.0
     level_volume = state["level_volume"].values[rows] if "level_volume" in state else 1.0
     share, volume = state["ice_fraction"].values[rows], state["ice_volume"].values[rows]
@@ -176,6 +184,8 @@ def watch(state: xr.Dataset, sea: Sea) -> Watched:
         cells_overlap=float(both[twice].sum() / on_map.sum()),
         crowded=float(beyond.sum() / claims.sum()),
         dealt=float(np.maximum(dealt.claimed - dealt.sea, 0.0).sum() / area.sum()),
+        neighbours=float(np.median(neighbours)),
+        touching=float(np.median(touching)),
         outlines_on_land=float((dry * area * ice).sum() / (area @ ice)),
         discs_on_land=float((wet * area * ice).sum() / (area @ ice)),
         bonded=float(state["bonded_length"].values[rows].sum()),
@@ -185,6 +195,17 @@ def watch(state: xr.Dataset, sea: Sea) -> Watched:
         ridged_area=float(ridged),
         ice_area=float(area @ ice),
     )
+
+
+def contacts_of(place: Array, radius: Array, area: Array) -> tuple[Array, Array]:
+    """How many discs each touches, and the length of that over its outline as a hexagon, (n,)."""
+    pairs = cKDTree(place).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
+    apart = np.hypot(*(place[pairs[:, 1]] - place[pairs[:, 0]]).T)
+    pairs = pairs[apart < radius[pairs].sum(axis=1)]
+    both, least = pairs.T.ravel(), radius[pairs].min(axis=1)
+    length = np.bincount(both, np.tile(2.0 * EDGE_SHARE * least, 2), len(area))
+    count = np.bincount(both, minlength=len(area)).astype(float)
+    return count, length / np.sqrt(8.0 * np.sqrt(3.0) * area)
 
 
 def on_land(outlined: Shapes, land: Shapes) -> Array:

@@ -73,3 +73,15 @@ def test_ice_that_was_moved_is_found_on_land_and_over_others(
     seen = watching.watch(moved, sea)
     assert seen.cells_overlap >= one.intersection(two).area / float(state["area"].sum()) - 1e-9
     assert seen.ashore == 0
+
+
+def test_contacts_all_around_are_as_long_as_the_outline(watching: ModuleType) -> None:
+    """Hexagons of 2 m across whose discs just touch: six neighbours, the whole outline."""
+    row, column = np.divmod(np.arange(49), 7)
+    place = np.stack([2.0 * column + row % 2, np.sqrt(3.0) * row], axis=1)
+    size = np.full(49, 1.0 + 1e-9)
+    count, share = watching.contacts_of(place, size, np.full(49, 2.0 * np.sqrt(3.0)))
+    inner = (row > 0) & (row < 6) & (column > 0) & (column < 6)
+    assert (count[inner] == 6).all() and (count[~inner] < 6).all()
+    np.testing.assert_allclose(share[inner], 1.0, rtol=1e-8)
+    np.testing.assert_allclose(share, count / 6.0, rtol=1e-8)
