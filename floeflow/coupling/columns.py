@@ -357,7 +357,9 @@ def settle_open_ice(
     """
     water = read_water(state, places.area, column_settings(scene))
     if last:
-        state, water, terms, back = settle_ice(state, water, found, places)
+        state, water, terms, back = settle_ice(
+            state, water, found, places, "ridging" in scene.effects
+        )
     else:
         water, terms, back = melt_back(water, icy(found), places)
     return with_water(state, water), terms, back

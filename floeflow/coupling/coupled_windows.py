@@ -42,19 +42,18 @@ from floeflow.coupling.series import sea_change, series_dataset, volumes
 from floeflow.coupling.window_end import end_at_sea
 from floeflow.dynamics.bonds.stress_free_growth import keep_forces
 from floeflow.dynamics.motion import Motion, move
+from floeflow.dynamics.remesh.absorb import ashore
 from floeflow.dynamics.remesh.remesh import remesh
 from floeflow.forcings.window import window_forcing
 from floeflow.scene import Scene
 from floeflow.state import read_dataset, read_state, write_dataset, write_state
 from floeflow.state.cells import Cells, read_cells
 from floeflow.state.elements import pair_arrays, thin_bonds
-from floeflow.state.schema import MOBILE
 from floeflow.state.snapshots import join_snapshots
-from floeflow.state.walls import enclosed
 
 Report = Callable[..., None]
 
-log = logging.getLogger(__name__)
+_LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -176,7 +175,10 @@ def advance_window(
         n, seconds = state.sizes["element"], time.perf_counter() - began
         costs.append(Record("remesh", n, comm.size, [seconds]))
     if "coast" in scene.effects:
-        budget["coast_ashore"] = float(len(ashore(scene, state)))
+        on_land = state["id"].values[ashore(scene, state)]
+        budget["coast_ashore"] = float(len(on_land))
+        if len(on_land):
+            _LOG.warning("elements ashore: %s", ", ".join(str(i) for i in on_land[:20]))
     budget |= volumes(state, "end")
     series = series_dataset(motion, budget, start)
     return Advanced(state, series, costs, fluxes, grown)
@@ -199,31 +201,6 @@ def _grown(
         return None
     open_water = [part.found for part in (before, after) if part.found is not None]
     return growth.growth_places(after.state, (before.each, after.each), open_water, places)
-
-
-def ashore(scene: Scene, state: xr.Dataset) -> np.ndarray:
-    """Ids of the mobile elements whose centre lies on land: none, or the coast does not hold.
-
-    Parameters
-    ----------
-    scene : Scene
-        Whether there are walls, and which.
-    state : xarray.Dataset
-        Elements and faces.
-
-    Returns
-    -------
-    ndarray
-        (k,), int64.
-    """
-    mobile = state["type"].values == MOBILE
-    coast = len(scene.walls.names) if "walls" in scene.effects else 0
-    faces = pair_arrays(state, "wall_face")
-    inside = enclosed(faces, coast, state["x"].values[mobile], state["y"].values[mobile])
-    found = state["id"].values[mobile][inside]
-    if len(found):
-        log.warning("elements ashore: %s", ", ".join(str(i) for i in found[:20]))
-    return np.asarray(found)
 
 
 @dataclass(frozen=True)

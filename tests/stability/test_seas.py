@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from floeflow.coupling.coupled_windows import ashore
+from floeflow.dynamics.remesh.absorb import ashore
 from support.coasts import Wind, a_mask, a_scene, blowing, first_state, on_land, windows
 
 DAY = 86400.0

@@ -31,6 +31,7 @@ from floeflow.coupling.sea.ice import (
 from floeflow.coupling.sea.places import SeaPlaces
 from floeflow.coupling.sea.shares import Shares, build_shares
 from floeflow.coupling.sea.water import Water
+from floeflow.dynamics.remesh.absorb import ALONE, used_up_alone
 from floeflow.dynamics.remesh.tables import element_values
 from floeflow.dynamics.remesh.transport import amounts, values_of
 from floeflow.state.schema import MOBILE, VARIABLES
@@ -139,7 +140,11 @@ def melt_back(water: Water, found: OpenIce, places: SeaPlaces) -> tuple[Water, T
 
 
 def settle_ice(
-    state: xr.Dataset, water: Water, found: OpenIce, places: SeaPlaces
+    state: xr.Dataset,
+    water: Water,
+    found: OpenIce,
+    places: SeaPlaces,
+    ridging: bool = False,
 ) -> tuple[xr.Dataset, Water, Terms, Returned]:
     """Make elements of the ice in open water, give it to others, or melt it back.
 
@@ -153,6 +158,8 @@ def settle_ice(
         From the columns of open water.
     places : SeaPlaces
         The sea of the scene.
+    ridging : bool
+        Elements may be used up by ridges; those that no other is near go back to the sea.
 
     Returns
     -------
@@ -172,7 +179,7 @@ def settle_ice(
         state = with_elements(state, np.arange(state.sizes["element"]), made)
     state, left, joined = _join(state, left, mobile, places)
     water, more, rest = melt_back(water, left, places)
-    state, water, gone, old = remove_melted(state, water, places)
+    state, water, gone, old = remove_melted(state, water, places, ridging)
     new = {"sea_born": float(count), "sea_joined": joined}
     return state, water, add_terms(terms, more, gone, new), join_returned([thin, rest, old])
 
@@ -265,7 +272,7 @@ def _new_elements(
     """New elements of ice in open water, and the ice for which there was no room."""
     typical = float(state.attrs["typical_area"])
     sea = found.shares.sea[found.cells]
-    wide = found.area >= LEAST_SIZE * np.minimum(typical, sea)
+    wide = found.area >= np.maximum(LEAST_SIZE * np.minimum(typical, sea), ALONE * typical)
     asked = np.where(wide, np.maximum(np.round(found.area / typical), 1.0), 0.0).astype(np.int64)
     each = found.area / np.maximum(asked, 1)
     discs = np.stack([state[name].values for name in ("x", "y", "radius")], axis=1)
@@ -347,7 +354,7 @@ def place_discs(
 
 
 def remove_melted(
-    state: xr.Dataset, water: Water, places: SeaPlaces
+    state: xr.Dataset, water: Water, places: SeaPlaces, ridging: bool = False
 ) -> tuple[xr.Dataset, Water, Terms, Returned]:
     """Return elements whose ice has nearly gone to the sea, with their water.
 
@@ -359,6 +366,8 @@ def remove_melted(
         The sea, (cells,).
     places : SeaPlaces
         Grid of the sea.
+    ridging : bool
+        As in `settle_ice`.
 
     Returns
     -------
@@ -369,6 +378,8 @@ def remove_melted(
     fraction, volume = (state[f"ice_{name}"].values.sum(axis=1) for name in ("fraction", "volume"))
     mobile = state["type"].values == MOBILE
     gone = np.flatnonzero(mobile & ((fraction < GONE_FRACTION) | (volume < GONE_VOLUME)))
+    if ridging:
+        gone = np.union1d(gone, used_up_alone(state))
     x, y, area = (state[name].values[gone] for name in ("x", "y", "area"))
     columns = element_values(state, gone)
     old = returned_ice((x, y), columns, area, False)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import xarray as xr
 
 from floeflow.dynamics.motion import engine_params
-from floeflow.dynamics.remesh.absorb import absorbed
+from floeflow.dynamics.remesh.absorb import absorbed, ashore
 from floeflow.dynamics.remesh.merge import merge, merge_targets
 from floeflow.dynamics.remesh.remap import lay, overlapping, remap
 from floeflow.scene import Scene
@@ -40,7 +40,8 @@ def remesh(scene: Scene, state: xr.Dataset, cells: Cells | None) -> tuple[xr.Dat
     overlap = 0.0
     merged = state
     if "ridging" in scene.effects:
-        merged = merge(merged, absorbed(merged, engine_params(scene)))
+        on_land = ashore(scene, merged)
+        merged = merge(merged, absorbed(merged, engine_params(scene), on_land))
     if "merge" in scene.effects:
         merged = merge(merged, merge_targets(merged, scene.merge.radius))
     remeshed = merged

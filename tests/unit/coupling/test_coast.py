@@ -11,9 +11,9 @@ import shapely
 import xarray as xr
 from mpi4py import MPI
 
-from floeflow.coupling.coupled_windows import ashore
 from floeflow.coupling.initial import make_state
 from floeflow.dynamics.motion import move
+from floeflow.dynamics.remesh.absorb import ashore
 from floeflow.dynamics.remesh.remesh import remesh
 from floeflow.packings.bonds import make_bonds
 from floeflow.packings.coastline import coastline, off_shore
@@ -158,12 +158,33 @@ def test_no_centre_goes_ashore_in_days_of_wind(tmp_path: Path, speed: float) -> 
     assert (room > 0.1 * state["radius"].values[mobile]).all()
 
 
-def test_elements_ashore_are_named(tmp_path: Path) -> None:
+def two_ashore() -> tuple[Scene, xr.Dataset]:
+    """A state of which two elements were put on the land."""
     land, scene = bay(), a_scene()
     packing = make_packing(a_mask(land), scene.packing, 1)
     state = make_state(scene, packing, make_bonds(packing, 0.2, 0.8, False))
-    state["x"].values[:2], state["y"].values[:2] = [55e3, 20e3], [85e3, 15e3]
-    assert list(ashore(scene, state)) == list(state["id"].values[:2])
+    state["x"].values[:2], state["y"].values[:2] = [55e3, 75e3], [85e3, 30e3]
+    return scene, state
+
+
+def test_elements_ashore_are_found() -> None:
+    scene, state = two_ashore()
+    assert list(ashore(scene, state)) == [0, 1]
+    afloat = scene.model_copy(update={"effects": tuple(e for e in scene.effects if e != "coast")})
+    assert not len(ashore(afloat, state))
+
+
+def test_ice_pushed_ashore_joins_what_is_afloat() -> None:
+    scene, state = two_ashore()
+    held = float(state["area"] @ state["ice_volume"].sum("category"))
+    after, terms = remesh(scene, state, None)
+    check_state(after)
+    assert not len(ashore(scene, after))
+    assert terms["merge_elements"] == 2.0
+    now = float(after["area"] @ after["ice_volume"].sum("category"))
+    assert now == pytest.approx(held, rel=1e-13)
+    # The ids of those that took it stay.
+    assert set(after["id"].values) == set(state["id"].values[2:])
 
 
 def test_ways_across_a_line_are_seen() -> None:

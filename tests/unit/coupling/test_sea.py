@@ -301,6 +301,22 @@ def test_growth_by_places_is_that_of_the_sums(air: float):
     assert len(left["grown_x"]) == len(each["growth_base"]) + len(found.cells)
 
 
+@pytest.mark.parametrize("ridging", [True, False])
+def test_ice_used_up_alone_is_the_seas(ridging):
+    more = [*EFFECTS, "friction", "ridging"] if ridging else EFFECTS
+    scene, state, places = pool(effects=more)
+    state["area"][0] *= 0.04
+    state["x"][0], state["y"][0] = 1.8e5, 1.8e5
+    none = OpenIce(np.zeros(0, int), np.zeros(0), _no_columns(state), _shares(state, places))
+    after, terms, back = end_at_sea(scene, state, none, places)
+    assert terms["sea_gone"] == (1.0 if ridging else 0.0)
+    before, now = stocks(scene, state, places), stocks(scene, after, places)
+    assert now["heat"] == pytest.approx(before["heat"], rel=1e-13)
+    assert back is not None
+    lost = float(state["area"][0] * state["ice_volume"][0].sum()) if ridging else 0.0
+    assert float(back.volume.sum()) == pytest.approx(lost, rel=1e-13)
+
+
 def test_melted_elements_give_their_water_back():
     scene, state, places = pool()
     thin = state.copy(deep=True)

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from floeflow.dynamics.engine.setup import LONGEST_REACH, bond_reach, within_reach
-from floeflow.dynamics.remesh.absorb import absorbed
+from floeflow.dynamics.remesh.absorb import absorbed, used_up_alone
 from floeflow.dynamics.remesh.merge import merge
 from floeflow.state.bonds import new_bonds
 from floeflow.state.schema import check_state
@@ -88,8 +88,13 @@ def test_bonds_that_no_list_can_hold_are_let_go() -> None:
     assert bond_reach(small, kept, LAWS) <= LONGEST_REACH * 1.01
 
 
-def test_one_that_is_alone_stays_however_small() -> None:
+@pytest.mark.parametrize(
+    ("share", "away", "found"), [(0.04, 1e6, [0]), (0.06, 1e6, []), (0.04, 0.0, [])]
+)
+def test_one_that_is_alone_is_left_to_the_sea(share: float, away: float, found: list[int]) -> None:
     state = a_raft()
-    state["area"].values[0] *= 0.01
-    state["x"].values[0] -= 1e6
-    assert (absorbed(state, LAWS) == np.arange(30)).all()
+    state["area"].values[0] *= share
+    state["x"].values[0] -= away
+    assert list(used_up_alone(state)) == found
+    # What is alone joins nobody; what has a neighbour does.
+    assert (absorbed(state, LAWS)[0] == 0) == (away > 0.0)
