@@ -285,8 +285,8 @@ def _segments(faces: Arrays, rows: np.ndarray, time: float) -> np.ndarray:
     return np.asarray(shapely.linestrings(np.stack(ends, axis=1)[rows]))
 
 
-def crossed(faces: Arrays, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Whether the way between two points, (n, 2) each, crosses a face that stands still, (n,).
+def crossed(faces: Arrays, start: np.ndarray, end: np.ndarray, time: float = 0.0) -> np.ndarray:
+    """Whether the way between two points, (n, 2) each, crosses a line, (n,).
 
     Parameters
     ----------
@@ -296,6 +296,8 @@ def crossed(faces: Arrays, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         m, (n, 2).
     end : ndarray
         m, (n, 2).
+    time : float, optional
+        At which walls are where they are, s.
 
     Returns
     -------
@@ -304,10 +306,15 @@ def crossed(faces: Arrays, start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """
     out = np.zeros(len(start), dtype=bool)
     moved = np.flatnonzero((start != end).any(axis=1))
-    if len(faces["ax"]) == 0:
+    if len(faces["ax"]) == 0 or not len(moved):
         return out
+    # Only what is nearer to a face than it moves can cross one.
+    size = np.hypot(*(end - start)[moved].T)
+    away = clearance(faces, *start[moved].T, time, float(size.max()))
+    moved = moved[away <= size]
     a = np.column_stack([faces["ax"], faces["ay"]])
     along = np.column_stack([faces["bx"], faces["by"]]) - a
+    a = a + time * np.column_stack([faces["u"], faces["v"]])
     for row in moved:
         way = end[row] - start[row]
         to_start, to_end = start[row] - a, end[row] - a
@@ -352,7 +359,9 @@ def too_near(
     return out
 
 
-def unsafe(faces: Arrays, start: np.ndarray, end: np.ndarray, radius: np.ndarray) -> np.ndarray:
+def unsafe(
+    faces: Arrays, start: np.ndarray, end: np.ndarray, radius: np.ndarray, time: float = 0.0
+) -> np.ndarray:
     """Whether elements that are moved, (n, 2), would lie behind a face or `too_near` to it, (n,).
 
     Parameters
@@ -365,13 +374,16 @@ def unsafe(faces: Arrays, start: np.ndarray, end: np.ndarray, radius: np.ndarray
         Centres before and after (m), (n, 2).
     radius : ndarray
         m, (n,).
+    time : float, optional
+        At which walls are where they are, s.
 
     Returns
     -------
     ndarray
         bool.
     """
-    return np.asarray(too_near(faces, start, end, radius) | crossed(faces, start, end))
+    near = too_near(faces, start, end, radius, time)
+    return np.asarray(near | crossed(faces, start, end, time))
 
 
 def _cross(one: np.ndarray, two: np.ndarray) -> np.ndarray:

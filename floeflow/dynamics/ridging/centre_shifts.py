@@ -15,7 +15,7 @@ from floeflow.core.period import period_of, shortest
 from floeflow.state.bonds import Arrays, element_rows
 from floeflow.state.elements import pair_arrays
 from floeflow.state.schema import COAST
-from floeflow.state.walls import nearest_points, too_near
+from floeflow.state.walls import nearest_points, unsafe
 
 # No centre moves by more than this share of its radius in a window.
 MOST = 0.5
@@ -63,13 +63,13 @@ def centre_shifts(
 
 
 def _ashore(state: xr.Dataset, before: Arrays, shift: np.ndarray, time: float) -> np.ndarray:
-    """Whether a shift brings an element so near to a wall that it has no room for ridges, (n,)."""
+    """Whether a shift takes an element across a wall or leaves it no room for ridges, (n,)."""
     out = np.zeros(len(shift), dtype=bool)
     if "wall_face_ax" not in state or state.sizes["wall_face"] == 0:
         return out
     faces, moved = pair_arrays(state, "wall_face"), np.flatnonzero(shift.any(axis=1))
     places = np.column_stack([before["x"], before["y"]])[moved]
-    out[moved] = too_near(faces, places, places + shift[moved], before["radius"][moved], time)
+    out[moved] = unsafe(faces, places, places + shift[moved], before["radius"][moved], time)
     return out
 
 

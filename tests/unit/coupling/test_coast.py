@@ -22,7 +22,7 @@ from floeflow.packings.packing import make_packing
 from floeflow.scene.blocks import Scene
 from floeflow.state.elements import pair_arrays
 from floeflow.state.schema import MOBILE, check_state
-from floeflow.state.walls import clearance, crossed
+from floeflow.state.walls import clearance, crossed, lines, unsafe
 
 SIDE, WINDOW = 10e3, 43200.0
 
@@ -195,3 +195,14 @@ def test_ways_across_a_line_are_seen() -> None:
     start = np.array([[55e3, 45e3], [55e3, 45e3], [20e3, 95e3]])
     end = np.array([[55e3, 35e3], [75e3, 45e3], [20e3, 95e3]])
     np.testing.assert_array_equal(crossed(faces, start, end), [True, False, False])
+
+
+def test_a_wide_disc_is_not_moved_across_a_line() -> None:
+    line = lines(np.array([[[-50e3, 0.0], [50e3, 0.0]]]), (0.0, 0.1))
+    radius = np.full(3, 10e3)
+    # From 3 km before the line to 4 km behind it, along it, and away from it.
+    start = np.array([[0.0, 3e3], [0.0, 6e3], [0.0, 3e3]])
+    end = np.array([[0.0, -4e3], [2e3, 6e3], [0.0, 8e3]])
+    np.testing.assert_array_equal(unsafe(line, start, end, radius), [True, False, False])
+    # Later the line lies between the places of the third.
+    np.testing.assert_array_equal(unsafe(line, start, end, radius, 5e4), [False, False, True])
