@@ -506,6 +506,11 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
     names : iterable of str
         Of effects, as a scene names them.
 
+    Returns
+    -------
+    tuple of str
+        The same names.
+
     Raises
     ------
     FloeError
@@ -564,6 +569,11 @@ def plugin_switches(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return _collect("plugin", names)
 
@@ -575,6 +585,11 @@ def ledger_sums(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once; an impulse as its components ``_x`` and ``_y``.
     """
     return tuple(
         f"{name}{axis}"
@@ -590,6 +605,11 @@ def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return _collect("forcing", names)
 
@@ -628,6 +648,11 @@ def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return _collect("diagnostics", names)
 
@@ -650,6 +675,11 @@ def column_processes(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return _collect("column", names)
 
@@ -681,5 +711,10 @@ def column_forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return forcing_variables(_column_effects(names))

@@ -23,7 +23,10 @@ from floeflow.cli import app
 COMMANDS = "floeflow/cli.py"
 # Packages whose public functions with parameters say what they return, with shape and unit. They
 # grow by what is done.
-COMPLETE = ("column", "coupling", "dynamics", "state", "transfer")
+COMPLETE = (
+    *("column", "core", "coupling", "dynamics", "forcings", "masks", "packings", "scene", "state"),
+    "transfer",
+)
 # Modules of these in which some do not yet.
 INCOMPLETE = {
     "floeflow/coupling/coupled_windows.py",
