@@ -25,7 +25,7 @@ COMMANDS = "floeflow/cli.py"
 # grow by what is done.
 COMPLETE = (
     *("column", "core", "coupling", "dynamics", "forcings", "masks", "packings", "scene", "state"),
-    "transfer",
+    *("diagnostics", "report", "transfer", "workflow"),
 )
 # Modules of these in which some do not yet.
 INCOMPLETE = {
@@ -76,7 +76,12 @@ def without_returns(source: str) -> list[str]:
         text = ast.get_docstring(node) or ""
         said = re.search(r"^(Returns\n-------|Yields\n------)\n\S", text, re.M)
         is_property = any("property" in ast.unparse(each) for each in node.decorator_list)
-        if names and kind not in ("None", "NoReturn") and not said and not is_property:
+        if (
+            names
+            and kind not in ("None", "NoReturn", "Iterator[None]")
+            and not said
+            and not is_property
+        ):
             found.append(node.name)
     return found
 
