@@ -32,14 +32,6 @@ inline const char *ledger_names() {
          "dissipation_friction dissipation_fracture dissipation_ridging bonds_cracked bonds_broken";
 }
 
-// The same of the seabed. Its sums come last of all: scripts name sums by their numbers.
-struct SeabedLedger {
-  double impulse_x = 0.0, impulse_y = 0.0;  // N s
-  double dissipation = 0.0;                 // J
-};
-
-inline const char *seabed_names() { return "impulse_seabed_x impulse_seabed_y dissipation_seabed"; }
-
 enum FaultKind { fault_none = 0, fault_not_finite = 1, fault_runaway = 2, fault_bond_reach = 3 };
 
 // First fault of one rank. An element at fault stays where it was, so that the run can end in order.

@@ -70,6 +70,11 @@ def single(thickness: Array, bounds: Array, level_share: float) -> Spread:
         Of the categories (m), (ncat + 1,).
     level_share : float
         As of `FirstIce`.
+
+    Returns
+    -------
+    Spread
+        Shares of area and volume by category and of both that is level (1), (n, ncat) each.
     """
     categories = len(bounds) - 1
     place = np.clip(np.searchsorted(bounds, thickness) - 1, 0, categories - 1)
@@ -88,6 +93,11 @@ def gamma(thickness: Array, bounds: Array, level_share: float) -> Spread:
         Mean of the ice (m), (n,).
     bounds, level_share
         As of `single`.
+
+    Returns
+    -------
+    Spread
+        Shares of area and volume by category and of both that is level (1), (n, ncat) each.
     """
     edges = np.array([0.0, *bounds[1:-1], np.inf])
     scaled = SHAPE * edges / np.where(thickness > 0.0, thickness, 1.0)[:, None]

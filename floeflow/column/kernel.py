@@ -109,6 +109,12 @@ def grow_category(
         s.
     p : Physics
         Constants.
+
+    Returns
+    -------
+    spare, through : float
+        Heat and light that go into the sea, J/m2 of the element's area; `spare` is negative where
+        the sea gives heat.
     """
     w, air = work.layers, air_of(f)
     area = c.area[n]
@@ -230,6 +236,12 @@ def step_column(
         s.
     p : Physics
         Constants.
+
+    Returns
+    -------
+    sea, pending : float
+        Temperature of the mixed layer after the step (degC), and the energy (J/m2, not negative)
+        that it lacks, of which ice will be made.
     """
     s, bounds, air = work.categories, work.bounds, air_of(f)
     freezing = freezing_temperature(f[r.SEA_SALINITY], p)

@@ -233,6 +233,11 @@ def ice_energy(state: LayeredState) -> Array:
     ----------
     state : LayeredState
         n elements with their categories.
+
+    Returns
+    -------
+    ndarray
+        Sum over categories and layers, J/m2 of the element's area, (n,).
     """
     ice = state.ice_enthalpy.mean(axis=2) * state.ice_volume
     snow = state.snow_enthalpy.mean(axis=2) * state.snow_volume

@@ -36,6 +36,11 @@ def layered_physics(settings: Settings) -> Physics:
     ----------
     settings : Settings
         What the column is asked for.
+
+    Returns
+    -------
+    Physics
+        SI units; temperatures in degC, salinities in 1e-3.
     """
     defaults, keys = Physics(), settings.physics
     tuned = {name: getattr(keys, name) for name in Physics._fields if hasattr(keys, name)}
@@ -66,6 +71,11 @@ def freezing_point(settings: Settings) -> float:
     ----------
     settings : Settings
         What the column is asked for.
+
+    Returns
+    -------
+    float
+        degC.
     """
     if settings.scheme == "mushy":
         return float(liquidus.py_func(settings.ocean_salinity))
@@ -200,6 +210,11 @@ def pond_water(state: LayeredState) -> Array:
     ----------
     state : LayeredState
         n elements with their categories.
+
+    Returns
+    -------
+    ndarray
+        m of water over the element's area, (n,).
     """
     wet = state.ice_fraction * state.level_area * state.pond_area
     return np.asarray((wet * state.pond_depth).sum(axis=1))

@@ -180,6 +180,11 @@ class Settings:
         ----------
         process : str
             Name of the process.
+
+        Returns
+        -------
+        bool
+            True if the settings name it.
         """
         return process in self.processes
 
@@ -191,6 +196,11 @@ def zero_layer_params(settings: Settings) -> ColumnParams:
     ----------
     settings : Settings
         What the column is asked for.
+
+    Returns
+    -------
+    ColumnParams
+        SI units; temperatures in K.
     """
     return ColumnParams(
         new_ice_thickness=settings.new_ice_thickness,

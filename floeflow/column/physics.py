@@ -287,6 +287,11 @@ def as_records(p: Physics) -> Any:
     ----------
     p : Physics
         Constants, SI.
+
+    Returns
+    -------
+    ndarray
+        Structured, (1,), with a field for each constant, aligned as C aligns them.
     """
     kinds = {float: "f8", int: "i8", bool: "?"}
     defaults = Physics._field_defaults

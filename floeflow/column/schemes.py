@@ -58,6 +58,11 @@ def scheme_of(settings: Settings) -> Scheme:
     settings : Settings
         What the column is asked for.
 
+    Returns
+    -------
+    Scheme
+        Entry of `SCHEMES`.
+
     Raises
     ------
     FloeError
@@ -92,6 +97,13 @@ def advance_columns(
         What is asked of the columns.
     closed : ndarray, optional
         Share of each element's area that ridging has just closed, with redistribution, (n,).
+
+    Returns
+    -------
+    columns : dict of ndarray
+        After the window, by the same names and of the same shapes.
+        terms : dict of ndarray
+        Budget terms by name, in the unit of what they change, over the element's area, (n,) each.
 
     Raises
     ------

@@ -16,6 +16,11 @@ def column_settings(scene: Scene) -> Settings:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    Settings
+        Scheme, processes, categories, steps (s) and constants.
     """
     column = scene.column
     return Settings(
@@ -40,6 +45,11 @@ def first_ice(scene: Scene) -> FirstIce:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    FirstIce
+        Name of the distribution over categories, level share and thickness (m) of ice in leads.
     """
     mask = scene.mask
     return FirstIce(mask.thickness_distribution, mask.level_share, mask.lead_ice)

@@ -43,5 +43,10 @@ class UnsolvedError(FloeError):
         ----------
         place : str
             The column's place, for people.
+
+        Returns
+        -------
+        UnsolvedError
+            With the same rows, count and bound.
         """
         return UnsolvedError(self.rows, self.count, self.bound, place)

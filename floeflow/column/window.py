@@ -27,6 +27,13 @@ def sub_steps(t0: float, t1: float, longest: float) -> tuple[int, float]:
     longest : float
         s, positive.
 
+    Returns
+    -------
+    count : int
+        Of steps, 1 or more.
+    step : float
+        Length of each, s.
+
     Raises
     ------
     FloeError

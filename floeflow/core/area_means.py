@@ -44,6 +44,11 @@ class AreaMeans:
         ----------
         values : ndarray
             Of the source's grid, in any unit.
+
+        Returns
+        -------
+        ndarray
+            In the unit of the values, (..., points).
         """
         flat = values.reshape(-1, self.matrix.shape[1])
         means = np.asarray((self.matrix @ flat.T).T)
@@ -67,6 +72,11 @@ def transfer(
         Its places (degrees), (ny, nx).
     finer : float
         Area means from so many source cells on to a side of a cell.
+
+    Returns
+    -------
+    Transfer
+        From the source's values to the places, in their order.
     """
     corners = corners_on(source, plane)
     size = typical_size(corners, grid)

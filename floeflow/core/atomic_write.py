@@ -23,6 +23,11 @@ def write_atomically(path: Path) -> Iterator[Path]:
     path : Path
         The file; its folder is made.
 
+    Yields
+    ------
+    Path
+        Of an empty file in the same folder.
+
     Raises
     ------
     FloeError

@@ -39,6 +39,11 @@ class Variable:
         ----------
         attribute : str
             Name of the attribute.
+
+        Returns
+        -------
+        str
+            The attribute, stripped.
         """
         return str(self.attrs.get(attribute, "")).strip()
 
@@ -86,6 +91,11 @@ def describe(path: str | Path, hints: Hints | None = None) -> dict[str, Variable
     hints : Hints, optional
         What the scene says of the file.
 
+    Returns
+    -------
+    dict of Variable
+        By name, as in the file.
+
     Raises
     ------
     FloeError
@@ -102,6 +112,11 @@ def variables_of(data: xr.Dataset) -> dict[str, Variable]:
     ----------
     data : xarray.Dataset
         The open file, undecoded.
+
+    Returns
+    -------
+    dict of Variable
+        By name: dimensions, shape, attributes and kind of number.
     """
     return {
         str(name): Variable(
@@ -128,6 +143,11 @@ def named(variables: dict[str, Variable], name: str, path: str | Path, key: str)
         Of the file, for messages.
     key : str
         Key of the scene that asks.
+
+    Returns
+    -------
+    Variable
+        That of the name.
 
     Raises
     ------
@@ -176,6 +196,11 @@ def layout(variables: dict[str, Variable], variable: Variable, path: str | Path)
     path : str or Path
         Of the file, for messages.
 
+    Returns
+    -------
+    Layout
+        Names of the dimensions of x, y, time and level, and how x and y are given.
+
     Raises
     ------
     FloeError
@@ -216,6 +241,12 @@ def own_axes(
         One of them.
     path : str or Path
         Of the file, for messages.
+
+    Returns
+    -------
+    time, level, stamp, height : str
+        Dimensions of time and level, else the scalar coordinates of both; empty where there is
+        none.
 
     Raises
     ------
@@ -396,6 +427,11 @@ def projection(variables: dict[str, Variable], variable: Variable, path: str | P
         One of them.
     path : str or Path
         Of the file, for messages.
+
+    Returns
+    -------
+    pyproj.CRS
+        Projected, its axes in metres.
 
     Raises
     ------

@@ -30,6 +30,11 @@ def on_root(comm: MPI.Comm, function: Callable[..., T], *arguments: object) -> T
     arguments : object
         Of the function.
 
+    Returns
+    -------
+    object
+        What the function gave on rank 0.
+
     Raises
     ------
     FloeError
@@ -58,6 +63,11 @@ def on_all(comm: MPI.Comm, function: Callable[..., T], *arguments: object) -> T:
         Called with the arguments.
     arguments : object
         Of the function.
+
+    Returns
+    -------
+    object
+        What the function gave on this rank.
 
     Raises
     ------

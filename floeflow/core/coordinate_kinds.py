@@ -86,6 +86,11 @@ def kind_of(name: str, attrs: Mapping[str, Any]) -> str:
         Of the variable.
     attrs : mapping
         Its attributes.
+
+    Returns
+    -------
+    str
+        One of these words; empty for any other variable.
     """
     standard, unit = text(attrs, "standard_name"), text(attrs, "units").lower()
     name = name.lower()
@@ -115,6 +120,11 @@ def is_pressure(unit: str) -> bool:
     ----------
     unit : str
         As in a file.
+
+    Returns
+    -------
+    bool
+        True for Pa, hPa, mbar and their names.
     """
     return unit.lower() in {
         *("pa", "pascal", "pascals", "hpa", "mb", "mbar", "millibar", "millibars", "hectopascals"),

@@ -29,6 +29,11 @@ def plain(text: str) -> str:
     ----------
     text : str
         Any text, as of a library's error.
+
+    Returns
+    -------
+    str
+        Without line breaks or control characters.
     """
     return "".join(
         sign if sign.isprintable() else " " if sign.isspace() else ascii(sign)[1:-1]
@@ -69,6 +74,11 @@ def unexpected(error: Exception) -> str:
     ----------
     error : Exception
         That was raised.
+
+    Returns
+    -------
+    str
+        One line, for people.
     """
     kind = type(error).__name__
     words = plain(" ".join(str(error).split()))[:200]

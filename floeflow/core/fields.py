@@ -66,6 +66,11 @@ class Source:
         ----------
         values : ndarray
             (..., ny, nx).
+
+        Returns
+        -------
+        ndarray
+            With a column and rows more where the source has them, (..., ny + caps, nx + wrap).
         """
         south, north = self.caps
         rows = [values]
@@ -116,6 +121,11 @@ def shape_of(source: AnySource) -> tuple[int, int]:
     ----------
     source : AnySource
         Grid or points of a file.
+
+    Returns
+    -------
+    tuple of int
+        (ny, nx).
     """
     if isinstance(source, Curvilinear):
         return source.lon.shape[0], source.lon.shape[1]
@@ -131,6 +141,11 @@ def open_file(path: str | Path, hints: Hints | None = None) -> xr.Dataset:
         File.
     hints : Hints, optional
         What the scene says of the file.
+
+    Returns
+    -------
+    xarray.Dataset
+        To be closed by the caller.
 
     Raises
     ------
@@ -367,6 +382,11 @@ def source_grid(
         Of the file, not decoded.
     path : str or Path
         Of the file, for messages.
+
+    Returns
+    -------
+    Source or Curvilinear
+        Axes ascending, in m or degrees; which of them were turned over is noted.
 
     Raises
     ------

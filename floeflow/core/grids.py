@@ -131,6 +131,11 @@ def scene_grid(domain: Domain) -> Grid:
     ----------
     domain : Domain
         Rectangle of the scene (m).
+
+    Returns
+    -------
+    Grid
+        Centres of the cells (m), both axes ascending.
     """
     return _grid(domain, 1)
 
@@ -161,6 +166,11 @@ def scene_crs(domain: Domain) -> pyproj.CRS:
     domain : Domain
         With the name of a projection.
 
+    Returns
+    -------
+    pyproj.CRS
+        Projected, its axes in metres.
+
     Raises
     ------
     FloeError
@@ -182,6 +192,11 @@ def geodetic(crs: pyproj.CRS) -> pyproj.CRS:
     ----------
     crs : pyproj.CRS
         A projection.
+
+    Returns
+    -------
+    pyproj.CRS
+        In degrees.
     """
     base = crs.geodetic_crs
     assert base is not None
@@ -195,6 +210,11 @@ def metres_per_unit(crs: pyproj.CRS) -> float:
     ----------
     crs : pyproj.CRS
         A projection.
+
+    Returns
+    -------
+    float
+        m; 1 where the projection names no unit.
     """
     axes = crs.axis_info
     return float(axes[0].unit_conversion_factor) if axes else 1.0
@@ -211,6 +231,11 @@ def to_lonlat(crs: pyproj.CRS, x: Array, y: Array) -> tuple[Array, Array]:
         m, of one shape.
     y : ndarray
         m, of one shape.
+
+    Returns
+    -------
+    lon, lat : ndarray
+        Degrees, of the shape of the points.
 
     Raises
     ------

@@ -60,6 +60,11 @@ def open_input(path: str | Path, hints: Hints | None = None) -> xr.Dataset:
     hints : Hints, optional
         What the scene says of the file.
 
+    Returns
+    -------
+    xarray.Dataset
+        To be closed by the caller.
+
     Raises
     ------
     FloeError

@@ -39,6 +39,11 @@ class Transfer(Protocol):
         ----------
         values : ndarray
             In any unit.
+
+        Returns
+        -------
+        ndarray
+            In the unit of the values, (..., points).
         """
 
 
@@ -74,6 +79,11 @@ class Weights:
         ----------
         values : ndarray
             In any unit.
+
+        Returns
+        -------
+        ndarray
+            In the unit of the values, (..., points).
         """
         source = self.source
         return self.apply(source.padded(values) if isinstance(source, Source) else values)
@@ -85,6 +95,11 @@ class Weights:
         ----------
         padded : ndarray
             With the wrapped column and the rows at the poles.
+
+        Returns
+        -------
+        ndarray
+            In the unit of the values, (..., points).
         """
         flat = padded.reshape(*padded.shape[:-2], -1)
         # One corner after the other: four times less memory, and a fixed order of summation. A
@@ -104,6 +119,11 @@ def weights(source: Source, lon: Array, lat: Array) -> Weights:
         The grid, padded as `Source.padded` does.
     lon, lat : ndarray
         Places (degrees), any one shape; counted as on the source's own earth.
+
+    Returns
+    -------
+    Weights
+        Four corners of each place; places beside the source are marked.
     """
     lon, lat = np.ravel(lon), np.ravel(lat)
     x_axis, y_axis = source.axes()
@@ -138,6 +158,11 @@ def triangle_weights(source: Curvilinear, plane: pyproj.CRS, lon: Array, lat: Ar
         Projection on which they are drawn.
     lon, lat : ndarray
         Places (degrees), any one shape.
+
+    Returns
+    -------
+    Weights
+        Three corners of each place, or one beyond the triangles, with its distance (m).
     """
     place = np.stack(from_lonlat(plane, np.ravel(lon), np.ravel(lat)), axis=1)
     x, y = from_lonlat(plane, source.lon, source.lat)

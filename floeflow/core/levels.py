@@ -79,6 +79,11 @@ def surface(
     wanted : float
         Height above the ground (m) at which a quantity of the air is wanted.
 
+    Returns
+    -------
+    Level
+        Index along the axis, and the level in words.
+
     Raises
     ------
     FloeError

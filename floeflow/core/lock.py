@@ -51,6 +51,11 @@ def claim_scene(folder: Path) -> int:
     folder : Path
         ``results/<scene>``, which is made.
 
+    Returns
+    -------
+    int
+        File descriptor; the lock ends with it.
+
     Raises
     ------
     FloeError
@@ -89,6 +94,11 @@ def join_run(folder: Path) -> int:
     folder : Path
         ``results/<scene>``; a variant ``<scene>+...`` is written under the lock of its base scene.
 
+    Returns
+    -------
+    int
+        File descriptor; the lock ends with it.
+
     Raises
     ------
     FloeError
@@ -122,6 +132,11 @@ def hold_job(folder: Path) -> Iterator[int]:
     ----------
     folder : Path
         ``results/<scene>``.
+
+    Yields
+    ------
+    int
+        File descriptor.
     """
     jobs = join_run(folder)
     try:
@@ -140,6 +155,11 @@ def hold_alone(path: Path, what: str) -> Iterator[int]:
         Lock file, made where it is missing.
     what : str
         What it guards, for the message.
+
+    Yields
+    ------
+    int
+        File descriptor.
 
     Raises
     ------

@@ -19,6 +19,11 @@ def mpi_environment(base: Mapping[str, str] = os.environ) -> dict[str, str]:
     ----------
     base : mapping
         Environment to start from.
+
+    Returns
+    -------
+    dict of str
+        What a process is started with, `base` included.
     """
     return {
         # Where the ranks run, the system decides. Open MPI binds the first ranks of every program

@@ -209,6 +209,11 @@ def thin(points: Array, priority: Index, distance: float | Array) -> Flags:
         A permutation of 0..n-1; lower ranks come first.
     distance : float or ndarray
         Same unit as the points; one for each point (n,): two keep the mean of theirs.
+
+    Returns
+    -------
+    ndarray
+        Of bool, True for those that stay, (n,).
     """
     x, y = np.ascontiguousarray(points.T, dtype=float)
     reach = np.broadcast_to(np.asarray(distance, float), len(x)).copy()
@@ -337,6 +342,11 @@ def deepest_overlap(
         How many can move.
     period : tuple of float, optional
         Bounds (m) of a rectangle that repeats itself and holds them all (`floeflow.core.period`).
+
+    Returns
+    -------
+    float
+        1.
     """
     # Copies count as fixed ones.
     copies, of = images(points, 2.0 * float(radius.max()), period)

@@ -54,6 +54,11 @@ class NearLines:
         ----------
         points : ndarray
             m.
+
+        Returns
+        -------
+        distance, place : ndarray
+            m, (n,), and x and y (m), (n, 2).
         """
         away, foot = np.full(len(points), np.inf), np.full((len(points), 2), np.nan)
         x, y = np.ascontiguousarray(points.T, dtype=float)

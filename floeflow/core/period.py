@@ -31,6 +31,11 @@ def period_of(attrs: Mapping[Hashable, object]) -> Period | None:
     ----------
     attrs : mapping of object
         Of a state or packing.
+
+    Returns
+    -------
+    tuple of float or None
+        West, south, east and north edges (m).
     """
     if ATTRIBUTE not in attrs:
         return None
@@ -45,6 +50,11 @@ def sides(period: Period) -> tuple[float, float]:
     ----------
     period : Period
         x_min, y_min, x_max, y_max (m); infinite where an axis does not repeat.
+
+    Returns
+    -------
+    tuple of float
+        m, along x and y.
     """
     return period[2] - period[0], period[3] - period[1]
 
@@ -158,6 +168,11 @@ def shifts(period: Period | None) -> list[Array]:
     ----------
     period : Period or None
         x_min, y_min, x_max, y_max (m); None where nothing repeats.
+
+    Returns
+    -------
+    list of ndarray
+        x and y (m), (2,) each; 9 where both axes repeat, 3 where one does, else 1.
     """
     if period is None:
         return [np.zeros(2)]

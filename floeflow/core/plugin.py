@@ -20,6 +20,11 @@ def plugin_path(workflow: Path | None = None) -> Path:
     workflow : Path, optional
         Folder of the Snakefile, whose own build comes before that of the library's checkout.
 
+    Returns
+    -------
+    Path
+        Of a file that is there.
+
     Raises
     ------
     FloeError

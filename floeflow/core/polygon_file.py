@@ -122,6 +122,11 @@ def project(polygon: shapely.Geometry, crs: str, name: str) -> shapely.Geometry:
     name : str
         Of the polygon, for messages.
 
+    Returns
+    -------
+    shapely.Geometry
+        Valid, in metres of the projection.
+
     Raises
     ------
     FloeError

@@ -15,6 +15,11 @@ def is_polygon_file(name: str) -> bool:
     ----------
     name : str
         Of a file.
+
+    Returns
+    -------
+    bool
+        True for GeoJSON and shapefiles.
     """
     return Path(name).suffix.lower() in (*GEOJSON, SHAPEFILE)
 
@@ -26,6 +31,11 @@ def files_of_polygons(name: str) -> list[str]:
     ----------
     name : str
         Of a file; empty for none.
+
+    Returns
+    -------
+    list of str
+        Empty for an empty name.
     """
     path = Path(name)
     beside = [str(path.with_suffix(".prj"))] if path.suffix.lower() == SHAPEFILE else []

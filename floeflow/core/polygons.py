@@ -47,6 +47,11 @@ class Outlines:
         ----------
         ids : ndarray
             (m,).
+
+        Returns
+        -------
+        Outlines
+            In the order of the ids.
         """
         rows = np.searchsorted(self.id, ids)
         corners = np.diff(self.start)[rows]
@@ -70,6 +75,11 @@ def body_outlines(packing: xr.Dataset, first: xr.Dataset) -> Outlines:
         Cells of the elements, and radii for those that have none.
     first : xarray.Dataset
         State that was made from this packing.
+
+    Returns
+    -------
+    Outlines
+        Corners about the elements' centres (m).
 
     Raises
     ------
@@ -102,6 +112,11 @@ def own_outlines(state: xr.Dataset) -> Outlines:
     ----------
     state : xarray.Dataset
         After a remap.
+
+    Returns
+    -------
+    Outlines
+        Corners about the elements' centres (m).
     """
     count = state.sizes["element"]
     data = {name: ("element", state[name].values) for name in ("id", "radius")}
@@ -123,6 +138,11 @@ def carried_outlines(body: Outlines, state: xr.Dataset) -> Outlines:
         From `body_outlines`.
     state : xarray.Dataset
         State at a window boundary; elements that it has lost are left out.
+
+    Returns
+    -------
+    Outlines
+        Corners on the map (m).
 
     Raises
     ------

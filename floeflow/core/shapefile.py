@@ -32,6 +32,11 @@ def read_shapefile(path: Path) -> list[shapely.Geometry]:
     path : Path
         The .shp file.
 
+    Returns
+    -------
+    list of shapely.Geometry
+        Degrees, in the order of the records; null shapes are left out.
+
     Raises
     ------
     FloeError

@@ -65,6 +65,11 @@ def seconds_since(
     path : str or Path
         Of the file, for messages.
 
+    Returns
+    -------
+    ndarray
+        s, of the shape of the values.
+
     Raises
     ------
     FloeError
@@ -163,6 +168,13 @@ def axis_seconds(
     path : str or Path
         Of the file, for messages.
 
+    Returns
+    -------
+    seconds : ndarray
+        s, (nt,).
+    bounds : tuple of ndarray or None
+        Start and end of each interval (s), (nt,) each; None where there is none or all are empty.
+
     Raises
     ------
     FloeError
@@ -201,6 +213,11 @@ def first_date(axis: cf.Variable, value: float, path: str | Path) -> datetime:
         As stored.
     path : str or Path
         Of the file, for messages.
+
+    Returns
+    -------
+    datetime.datetime
+        Without a time zone.
 
     Raises
     ------

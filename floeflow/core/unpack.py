@@ -73,6 +73,11 @@ def kind_of_flag(meaning: str) -> str:
     ----------
     meaning : str
         A word of ``flag_meanings``.
+
+    Returns
+    -------
+    str
+        One of these four words.
     """
     lower = meaning.lower()
     return next((kind for word, kind in WORDS if word in lower), MISSING)
@@ -87,6 +92,11 @@ def unpack(raw: NDArray[Any], attrs: Mapping[str, Any]) -> Values:
         As stored.
     attrs : mapping
         The variable's CF attributes; ``floeflow_flags`` adds pairs of number and meaning.
+
+    Returns
+    -------
+    Values
+        Numbers with NaN where there is none, places of each flag, and half a step of the packing.
 
     Raises
     ------

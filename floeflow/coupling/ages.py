@@ -29,6 +29,11 @@ def grow_older(state: xr.Dataset, new_ice: Array | float, seconds: float) -> xr.
         Ice that froze on the open water of each mobile element (m3), (n,).
     seconds : float
         Length of the window.
+
+    Returns
+    -------
+    xarray.Dataset
+        With ice_age (s) of the mobile elements moved on; the state itself without that effect.
     """
     mobile = state["type"].values == MOBILE
     load = ICE_DENSITY * state["ice_volume"].values.sum(axis=1)

@@ -100,6 +100,11 @@ def fixed_hashes(chunk: Chunk) -> dict[str, str]:
     ----------
     chunk : Chunk
         Windows of a run.
+
+    Returns
+    -------
+    dict of str
+        Hashes by what they are of: input files, plugin, library, ranks and keys of the scene.
     """
     files = [file_hash(path) for path in users_files(chunk.scene)]
     return {
@@ -118,6 +123,11 @@ def run_chunk(chunk: Chunk) -> int:
     ----------
     chunk : Chunk
         Windows of a run.
+
+    Returns
+    -------
+    int
+        0 where all windows were there with their hashes.
 
     Raises
     ------

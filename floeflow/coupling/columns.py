@@ -68,6 +68,11 @@ class Columns:
         ----------
         rows : ndarray
             Of the elements, (m,).
+
+        Returns
+        -------
+        Columns
+            In the order of the rows.
         """
         values = {name: value[rows] for name, value in self.values.items()}
         places = self.x[rows], self.y[rows], self.u[rows], self.v[rows], self.area[rows]
@@ -314,6 +319,11 @@ def take_counts(terms: Arrays) -> Budget:
     ----------
     terms : Arrays
         Terms of the columns, (n,) each; the counts are taken out.
+
+    Returns
+    -------
+    dict of float
+        Sums over all elements by the count's name; `terms` has them no more.
     """
     names = [name for name in terms if name.startswith("temperature_")]
     return {name: float(terms.pop(name).sum()) for name in names}
@@ -328,6 +338,11 @@ def totals(each: Arrays) -> Budget:
     ----------
     each : Arrays
         Terms, (n,) each.
+
+    Returns
+    -------
+    dict of float
+        Sums by the same names, in the unit of the terms.
     """
     return {name: float(values.sum()) for name, values in each.items()}
 

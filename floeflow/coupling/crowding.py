@@ -46,6 +46,11 @@ def around(grid: Grid, width: float, cells: Array) -> Array:
         Of the square around a cell (m).
     cells : ndarray
         Values, (cells,).
+
+    Returns
+    -------
+    ndarray
+        In the unit of the cells, (cells,).
     """
     sides = [max(1, round(width / step)) for step in reversed(grid.spacing)]
     field = cells.reshape(grid.shape)
@@ -68,6 +73,11 @@ def crowded(shares: Shares, grid: Grid, area: Array, thickness: Array) -> Array:
         Effective areas of the elements (m2), (n,).
     thickness : ndarray
         Their ice (m3 per m2), (n,).
+
+    Returns
+    -------
+    ndarray
+        m2, (n,), below the element's own area.
     """
     if not len(area):
         return np.zeros(0)

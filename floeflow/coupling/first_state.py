@@ -68,6 +68,11 @@ def first_pack(scene: Scene, scratch: Path) -> Pack:
     scratch : Path
         Folder for logs.
 
+    Returns
+    -------
+    Pack
+        Mask, packing and, with the effect ``bonds``, bonds; else None in their place.
+
     Raises
     ------
     FloeError

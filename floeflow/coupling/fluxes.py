@@ -216,6 +216,11 @@ def join_fluxes(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     ----------
     parts : sequence of xarray.Dataset
         In the order of time.
+
+    Returns
+    -------
+    xarray.Dataset
+        All times behind each other; what has no time is that of the first part.
     """
     fixed = [name for name, item in parts[0].data_vars.items() if "time" not in item.dims]
     joined = xr.concat([part.drop_vars(fixed) for part in parts], "time", join="exact")

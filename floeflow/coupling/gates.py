@@ -27,6 +27,11 @@ def gate_lines(scene: Scene) -> dict[str, Line]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    dict of (ndarray, ndarray)
+        First and last end, x and y (m), (2,) each, by the gate's name.
     """
     crs = scene_crs(scene.domain)
     lines = {}

@@ -40,6 +40,11 @@ def wanted(scene: Scene) -> bool:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    bool
+        True with the effects ``grid_output`` and ``thermodynamics``.
     """
     return {"grid_output", "thermodynamics"} <= set(scene.effects)
 
@@ -100,6 +105,11 @@ def is_growth(name: str) -> bool:
     ----------
     name : str
         Of the term.
+
+    Returns
+    -------
+    bool
+        True for the ``growth_`` terms and for the cover.
     """
     return name.startswith("growth_") or name == COVER
 
@@ -113,6 +123,11 @@ def without(made: Mapping[str, Array], back: Returned) -> dict[str, Array]:
         Places and terms (m3, m2) of the columns, (n,) each.
     back : Returned
         Ice that went back to the sea, with its places.
+
+    Returns
+    -------
+    dict of ndarray
+        By name as in `made`, over the same places, in the same units.
     """
     if not len(back.x):
         return dict(made)
@@ -136,5 +151,10 @@ def as_variables(made: Mapping[str, Array]) -> dict[str, tuple[str, Array]]:
     ----------
     made : mapping of ndarray
         Values by element, (n,) each.
+
+    Returns
+    -------
+    dict of (str, ndarray)
+        Dimension and values by name, as `xarray.Dataset` takes them.
     """
     return {name: (DIM, values) for name, values in made.items()}

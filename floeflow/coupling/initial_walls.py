@@ -30,6 +30,12 @@ def wall_variables(scene: Scene, packing: xr.Dataset) -> Arrays:
     packing : xarray.Dataset
         Output of the packing stage.
 
+    Returns
+    -------
+    dict of ndarray
+        By the names of the state's schema, ``wall_face_`` and ``wall_contact_``; empty where the
+        scene has neither walls nor coast.
+
     Raises
     ------
     FloeError

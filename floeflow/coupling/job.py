@@ -57,6 +57,11 @@ class Job:
         ----------
         text : str
             JSON.
+
+        Returns
+        -------
+        Job
+            Equal to the one that was written.
         """
         return cls(**json.loads(text))
 

@@ -168,6 +168,11 @@ class IceModel:
         name : str
             Of an output.
 
+        Returns
+        -------
+        ndarray
+            A copy, in the units of `get_var_units`, (ny, nx).
+
         Raises
         ------
         FloeError
@@ -214,6 +219,11 @@ class IceModel:
         ----------
         name : str
             Of an input or output.
+
+        Returns
+        -------
+        str
+            Such as W m-2.
         """
         if name in FIELDS or name in ICE:
             return (FIELDS.get(name) or ICE[name])[0]
@@ -226,6 +236,11 @@ class IceModel:
         ----------
         name : str
             Of an input or output.
+
+        Returns
+        -------
+        int
+            0.
         """
         return GRID
 
@@ -236,6 +251,11 @@ class IceModel:
         ----------
         grid : int, optional
             0.
+
+        Returns
+        -------
+        str
+            "uniform_rectilinear", as the Basic Model Interface calls it.
         """
         return "uniform_rectilinear"
 
@@ -246,6 +266,11 @@ class IceModel:
         ----------
         grid : int, optional
             0.
+
+        Returns
+        -------
+        tuple of int
+            (ny, nx).
         """
         return self._grid.shape
 
@@ -256,6 +281,11 @@ class IceModel:
         ----------
         grid : int, optional
             0.
+
+        Returns
+        -------
+        tuple of float
+            m, (dy, dx); both are the scene's spacing.
         """
         return self._grid.spacing, self._grid.spacing
 
@@ -266,6 +296,11 @@ class IceModel:
         ----------
         grid : int, optional
             0.
+
+        Returns
+        -------
+        tuple of float
+            m, (y, x) of the cell with the lowest of both.
         """
         return float(self._grid.y[0]), float(self._grid.x[0])
 

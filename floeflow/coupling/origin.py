@@ -27,6 +27,11 @@ def provenance(scene: Scene) -> str:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    str
+        JSON object: hash by stage, sorted.
     """
     stages = [name for name in START_STAGES if name != "bonds" or "bonds" in scene.effects]
     return json.dumps({name: stage_hash(scene, name) for name in stages}, sort_keys=True)
@@ -39,6 +44,11 @@ def window_keys(scene: Scene) -> dict[str, str]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    dict of str
+        Hash by stage.
     """
     return {stage: stage_hash(scene, stage) for stage in WINDOW_STAGES}
 

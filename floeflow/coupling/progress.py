@@ -30,6 +30,11 @@ def speed(event: Event) -> float:
     ----------
     event : Event
         Of a window.
+
+    Returns
+    -------
+    float
+        1/s; 0 before any time has passed.
     """
     seconds = event["dynamics_seconds"]
     return float(event["elements"] * event["step"] / seconds) if seconds > 0 else 0.0
@@ -42,6 +47,11 @@ def line(event: Event) -> str:
     ----------
     event : Event
         Of a window.
+
+    Returns
+    -------
+    str
+        Without a line break.
     """
     share = event["step"] / event["steps"]
     left = event["dynamics_seconds"] * (1.0 / share - 1.0)
@@ -74,6 +84,11 @@ class WholeRun:
         ----------
         event : Event
             Of a window.
+
+        Returns
+        -------
+        float
+            Windows, 0 to the number of windows.
         """
         return int(event["window"]) - 1 + float(event["step"] / event["steps"])
 
@@ -84,6 +99,11 @@ class WholeRun:
         ----------
         event : Event
             Of a window.
+
+        Returns
+        -------
+        float or None
+            s of wall-clock time.
         """
         done, now = self.done(event), self._now()
         if self._first is None:
@@ -98,6 +118,11 @@ class WholeRun:
         ----------
         event : Event
             Of a window.
+
+        Returns
+        -------
+        str
+            Without a line break; the time is left out at the first event.
         """
         left = self.left(event)
         rest = "" if left is None else f", {duration(left)} left"
@@ -112,6 +137,11 @@ def duration(seconds: float) -> str:
     ----------
     seconds : float
         Of a time.
+
+    Returns
+    -------
+    str
+        In s below 90 s, in min below 90 min, else in h and min.
     """
     if seconds < 90.0:
         return f"{seconds:.0f} s"
@@ -129,6 +159,11 @@ def show_progress(windows: int) -> Iterator[Show]:
     ----------
     windows : int
         Of the whole run, of which a job advances some.
+
+    Yields
+    ------
+    callable
+        Takes an event and shows it.
     """
     run = WholeRun(windows)
     with contextlib.ExitStack() as stack:

@@ -22,6 +22,11 @@ def column_params(scene: Scene) -> ColumnParams:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    ColumnParams
+        SI units; temperatures in K.
     """
     return zero_layer_params(column_settings(scene))
 

@@ -59,6 +59,11 @@ def window_hashes(start: str, windows: Sequence[str], fixed: dict[str, str]) -> 
     fixed : dict
         What is the same for all windows of a run: hashes of scene keys, forcing files, plugin and
         library, number of ranks.
+
+    Returns
+    -------
+    list of str
+        SHA-256 of each window in hexadecimal; each goes into the next.
     """
     found: list[str] = []
     before = start
@@ -82,6 +87,11 @@ def finished_windows(
         The chunk's windows, and what each must have been made from.
     every_state : bool
         Whether the state of each window must be there, or that of the last one is enough.
+
+    Returns
+    -------
+    int
+        0 to the number of the chunk's windows; what comes after them has to run.
     """
     whole = 0
     for window, expected in zip(windows, hashes, strict=True):

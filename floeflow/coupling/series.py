@@ -140,6 +140,11 @@ def series_dataset(motion: Motion, budget: dict[str, float], start: float) -> xr
         Volumes and terms of the column.
     start : float
         Time of the window's start, s since the scene's start.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables with units; ``time`` of the samples in s since the scene's start.
     """
     # A dataset made at once: one that grows by a variable at a time takes a second for 200.
     data: dict[str, tuple[Any, ...]] = {}

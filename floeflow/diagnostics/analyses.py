@@ -100,6 +100,11 @@ class Analyses:
         ----------
         states : iterable of xarray.Dataset
             Snapshots in the order of time.
+
+        Yields
+        ------
+        xarray.Dataset
+            The same snapshots, in their order.
         """
         for state in states:
             self.take(state)
@@ -127,6 +132,11 @@ class Analyses:
             Fields at all boundaries, shares of 1.
         states : dict of Dataset
             States with bonds at "start" and "end", as far as they are there.
+
+        Returns
+        -------
+        xarray.Dataset
+            Each variable with its unit; empty where nothing could be analysed.
         """
         rows: Rows = {}
         attrs = {"title": f"Analyses of scene {self.scene.name}", "deformation": CAVEAT}

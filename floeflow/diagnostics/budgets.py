@@ -148,6 +148,11 @@ def verdict(value: float, limits: Limits, of_change: float = 0.0) -> str:
     of_change : float
         Share of the run's change. A residual beyond round-off that is more than a tenth of what
         changed makes the budget fair at best.
+
+    Returns
+    -------
+    str
+        One of these three.
     """
     closed = value <= limits.closed and (value <= ROUND_OFF or of_change <= OF_CHANGE)
     if closed:
@@ -283,6 +288,11 @@ def exports_of(boundaries: xr.Dataset, name: str) -> dict[str, Array]:
         From `floeflow.diagnostics.collect.summarise_states`.
     name : str
         ``ice_area``, ``ice_volume`` or ``snow_volume``.
+
+    Returns
+    -------
+    dict of ndarray
+        In the unit of the quantity, (window,), by the side in words.
     """
     prefix = f"{name}_beyond_"
     return {
@@ -361,6 +371,11 @@ def column_budgets(scalars: xr.Dataset) -> list[Budget]:
     ----------
     scalars : xarray.Dataset
         On ``window``.
+
+    Returns
+    -------
+    list of Budget
+        One for each quantity that is told of.
     """
     found = []
     for kind, (label, unit) in _STORED.items():
@@ -421,6 +436,11 @@ def grid_budget(
         The elements' totals at the same boundaries, (grid,).
     outside : ndarray
         The part of it in elements that have left the grid, (grid,).
+
+    Returns
+    -------
+    Budget
+        At the boundaries that the grid has.
     """
     return Budget(
         f"grid_{name}",

@@ -257,6 +257,11 @@ def file_attributes(scene: Scene, title: str, history: str) -> dict[str, str]:
         Its effects are named.
     title, history : str
         What the file holds, and how that was made.
+
+    Returns
+    -------
+    dict of str
+        By CF's names.
     """
     return {
         "Conventions": "CF-1.11",
@@ -274,6 +279,11 @@ def field_attributes(long_name: str, units: str, cell_methods: str) -> dict[str,
     ----------
     long_name, units, cell_methods : str
         As in the file.
+
+    Returns
+    -------
+    dict of str
+        By CF's names.
     """
     return {
         "long_name": long_name,
@@ -396,6 +406,11 @@ def join_times(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     ----------
     parts : sequence of xarray.Dataset
         From `describe`, in order of time, on one grid.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the order of the parts.
     """
     if len(parts) == 1:
         return parts[0]

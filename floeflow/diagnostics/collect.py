@@ -63,6 +63,11 @@ def boundary_number(
         Of the variable in ``diagnostics.nc``.
     unit, meaning : str
         Its attributes ``units`` and ``long_name``.
+
+    Returns
+    -------
+    callable
+        Decorator that registers a function and returns it.
     """
 
     def register(function: Callable[[xr.Dataset], float]) -> Callable[[xr.Dataset], float]:
@@ -117,6 +122,11 @@ def expected_series(effects: tuple[str, ...]) -> list[str]:
     ----------
     effects : tuple of str
         The scene's effects.
+
+    Returns
+    -------
+    list of str
+        Names in the file of the series.
     """
     names = [*SAMPLED, *SCALARS]
     for series in diagnostic_series(effects):
@@ -141,6 +151,11 @@ def intact(state: xr.Dataset) -> np.ndarray:
     ----------
     state : xarray.Dataset
         With a bond table.
+
+    Returns
+    -------
+    ndarray
+        Ids, (bond, 2).
     """
     holds = state["bond_crack_a"].values + state["bond_crack_b"].values < 1.0
     return np.stack([state["bond_id_lo"].values, state["bond_id_hi"].values], axis=1)[holds]
@@ -289,6 +304,11 @@ def bond_counts(
         State 0.
     samples, scalars : xarray.Dataset
         From `read_series`.
+
+    Returns
+    -------
+    dict of (str, ndarray)
+        Dimension and counts by name, (boundary,).
     """
     number, held = samples["sample_window"].values, samples["intact_bonds"].values
     windows = scalars["window"].values
@@ -379,6 +399,11 @@ def read_grid(path: Path) -> xr.Dataset:
     path : Path
         ``grid.nc`` or one of its chunks.
 
+    Returns
+    -------
+    xarray.Dataset
+        In memory.
+
     Raises
     ------
     FloeError
@@ -442,6 +467,11 @@ def with_shares(grid: xr.Dataset) -> xr.Dataset:
     ----------
     grid : xarray.Dataset
         On ``time``, ``y`` and ``x``.
+
+    Returns
+    -------
+    xarray.Dataset
+        The given one where it has shares.
     """
     if grid["siconc"].attrs.get("units") not in ("%", "percent"):
         return grid
@@ -511,6 +541,11 @@ def read_cost(paths: Iterable[Path]) -> list[dict[str, Any]]:
     ----------
     paths : iterable of Path
         Files of ``cost/``.
+
+    Returns
+    -------
+    list of dict
+        In the order of the windows.
 
     Raises
     ------

@@ -76,6 +76,11 @@ def triangles(x: Array, y: Array, spacing: float) -> Index:
     spacing : float
         Typical distance of neighbours (m): triangles with a side longer than `LONGEST` of it, or
         with an angle below `SMALLEST_ANGLE`, are left out.
+
+    Returns
+    -------
+    ndarray
+        Rows of the corners, (triangle, 3).
     """
     # A third of a second to import, and most of the diagnostics have no need of it.
     from scipy.spatial import Delaunay, QhullError
@@ -110,6 +115,11 @@ def triangle_strain(x: Array, y: Array, u: Array, v: Array, corners: Index) -> S
         Velocities (m/s), (element,).
     corners : ndarray
         From `triangles`.
+
+    Returns
+    -------
+    Strain
+        Centres (m), areas (m2) and velocity gradients (1/s), one for each triangle.
     """
     x0, y0 = x[corners[:, 0]], y[corners[:, 0]]
     ax, ay = x[corners[:, 1]] - x0, y[corners[:, 1]] - y0
@@ -227,6 +237,11 @@ def fit_scaling(count: Array, scale: Array, moments: Array, spacing: float) -> S
         Sums of total deformation to each order, (interval, scale, order).
     spacing : float
         Of the elements (m); see `FIT_FROM`.
+
+    Returns
+    -------
+    Scaling
+        Exponents (1), their errors (1), and the scales (m) from and to which they were fitted.
     """
     orders = moments.shape[2]
     none = np.full(orders, np.nan)

@@ -130,6 +130,11 @@ def close_budgets(
         From `summarise_grid`.
     effects : tuple of str
         The scene's effects.
+
+    Returns
+    -------
+    list of Budget
+        Momentum first.
     """
     found = [momentum_budget(scalars, axis) for axis in "xy"]
     volume, exports = boundaries["ice_volume"].values, exports_of(boundaries, "ice_volume")
@@ -188,6 +193,11 @@ def dynamics_cost(costs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     ----------
     costs : sequence of mapping
         Benchmark records of windows.
+
+    Returns
+    -------
+    dict
+        Numbers by name, times in s; step, limit and machine are those of the last window.
     """
     records = [record for record in costs if record["name"] == "dynamics"]
     steps = sum(record["n"] * int(record.get("steps", 0)) for record in records)
@@ -381,6 +391,11 @@ def remapped_windows(scalars: xr.Dataset) -> set[int]:
     ----------
     scalars : xarray.Dataset
         On ``window``.
+
+    Returns
+    -------
+    set of int
+        Numbers of windows, from 1.
     """
     if "remap_done" not in scalars:
         return set()

@@ -35,6 +35,11 @@ def fragments(ids: Index, pairs: Index) -> Index:
         Ids of the elements, ascending.
     pairs : ndarray
         Ids that bonds hold together, (bond, 2); pairs with an id that is not there are left out.
+
+    Returns
+    -------
+    ndarray
+        Integer, (element,).
     """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -54,6 +59,15 @@ def floe_diameters(state: xr.Dataset) -> tuple[Array, Index, float]:
     ----------
     state : xarray.Dataset
         A state with bonds; mobile elements with ice count.
+
+    Returns
+    -------
+    diameters : ndarray
+        m, (floe,).
+    counts : ndarray
+        Elements of each, (floe,).
+    typical : float
+        m, NaN without elements.
     """
     # Here, so that the functions above need no state.
     from floeflow.diagnostics.collect import intact

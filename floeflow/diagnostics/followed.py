@@ -70,6 +70,11 @@ def frame_of(state: xr.Dataset) -> Frame:
     ----------
     state : xarray.Dataset
         State or snapshot.
+
+    Returns
+    -------
+    Frame
+        Of its mobile elements with ice, ascending in id.
     """
     share = state["ice_fraction"].values.sum(axis=1)
     kept = np.flatnonzero((state["type"].values == MOBILE) & (share >= ICE))

@@ -90,6 +90,11 @@ def sea_room(mask: xr.Dataset, grid: Grid, reach: int) -> Room:
         The scene grid.
     reach : int
         Half-width of the hats in grid spacings.
+
+    Returns
+    -------
+    Room
+        Area of sea (m2) and pull (1) of each cell, (ny, nx).
     """
     x, y = np.meshgrid(mask["x"].values, mask["y"].values)
     sea = mask["land"].values == 0
@@ -110,6 +115,11 @@ def room_of(state: xr.Dataset, mask: xr.Dataset, grid: Grid, rooms: dict[int, Ro
     rooms : dict
         What was found for other states of the same mask and grid, by the reach of their hats; what
         is not in it is added.
+
+    Returns
+    -------
+    Room
+        That of `rooms` for the reach; it is added where it lacks.
     """
     reach = hat_reach(state, grid)
     if reach not in rooms:

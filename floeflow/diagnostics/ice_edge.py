@@ -78,6 +78,11 @@ def edge_length(share: Array, sea: Flags, spacing: float, edge: float = EDGE) ->
         Of the cells (m).
     edge : float
         Share from which on a cell counts as ice.
+
+    Returns
+    -------
+    float
+        m.
     """
     ice, known = np.nan_to_num(share) >= edge, sea & np.isfinite(share)
     corners = [np.s_[1:, 1:], np.s_[1:, :-1], np.s_[:-1, 1:], np.s_[:-1, :-1]]
@@ -133,6 +138,11 @@ def edge_error(
         Of the cells (m).
     edge : float
         Share from which on a cell counts as ice.
+
+    Returns
+    -------
+    EdgeError
+        Areas (m2) of ice too much and too little, and length (m) of the observed edge.
     """
     known = np.isfinite(ours) & np.isfinite(observed) & (area > 0.0)
     here, there = np.nan_to_num(ours) >= edge, np.nan_to_num(observed) >= edge

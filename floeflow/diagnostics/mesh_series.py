@@ -114,6 +114,11 @@ def bond_lines(state: xr.Dataset) -> Array:
     ----------
     state : xarray.Dataset
         A state with bonds.
+
+    Returns
+    -------
+    ndarray
+        m, (bond, end, 2).
     """
     row = element_rows(state["id"].values, state["bond_id_lo"].values)
     x, y, theta = (state[name].values[row] for name in ("x", "y", "theta"))

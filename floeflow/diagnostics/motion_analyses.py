@@ -283,6 +283,11 @@ def correlation(lagged: NDArray[np.complex128]) -> NDArray[np.complex128]:
     lagged : ndarray
         Number, sums of first and second velocities, of second times the conjugate of first, and of
         both squared moduli, (lag, 6).
+
+    Returns
+    -------
+    ndarray
+        Complex, 1 in size at most, (lags,); its angle is that by which the velocity has turned.
     """
     n = lagged[:, 0].real
     out = np.full(len(n), complex(np.nan, np.nan))

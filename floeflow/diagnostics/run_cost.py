@@ -54,6 +54,11 @@ def stages(benchmarks: Sequence[Path], diagnosed: Mapping[str, Any]) -> list[Sta
     diagnosed : mapping
         ``diagnostics.json``.
 
+    Returns
+    -------
+    list of Stage
+        Wall time (s) and memory (MB) of each rule, parts of the windows behind theirs.
+
     Raises
     ------
     FloeError
@@ -89,6 +94,11 @@ def total_seconds(found: Sequence[Stage]) -> float:
     ----------
     found : sequence of Stage
         Of the run.
+
+    Returns
+    -------
+    float
+        s.
     """
     return sum(stage.seconds for stage in found if not stage.inner)
 
@@ -100,6 +110,13 @@ def read_benchmark(path: Path) -> tuple[float, float]:
     ----------
     path : Path
         Of Snakemake's benchmark.
+
+    Returns
+    -------
+    seconds : float
+        s.
+    size : float
+        MB, NaN where none is told.
 
     Raises
     ------

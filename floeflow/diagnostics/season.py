@@ -78,6 +78,11 @@ def cycle(grid: xr.Dataset) -> Cycle:
     ----------
     grid : xarray.Dataset
         On ``time``, ``y`` and ``x``.
+
+    Returns
+    -------
+    Cycle
+        Area and extent (m2), volume (m3) and thickness (m) of each month that is there.
     """
     grid, sea = with_shares(grid), grid["sea_area"].values
     share, volume = (grid[name].fillna(0.0).values for name in ("siconc", "sivol"))
@@ -187,6 +192,11 @@ def ridged(grid: xr.Dataset) -> Ridged:
     ----------
     grid : xarray.Dataset
         On ``time``, ``y`` and ``x``.
+
+    Returns
+    -------
+    Ridged
+        Shares of area and of volume (1) of each month.
     """
     grid, sea = with_shares(grid), grid["sea_area"].values
     share, of_ice, thick, volume = (
@@ -233,6 +243,11 @@ def drift(
         Length of a window (s).
     skipped : int
         Windows at the run's start that do not count.
+
+    Returns
+    -------
+    Drift
+        Quartiles of the speed (m/s) of each month.
     """
     to_places = pyproj.Transformer.from_crs(crs, "EPSG:4326", always_xy=True)
     left_out = set(remapped)
@@ -277,6 +292,11 @@ def swing(found: Cycle) -> float:
     ----------
     found : Cycle
         Monthly means.
+
+    Returns
+    -------
+    float
+        m.
     """
     return float(found.thickness.max() - found.thickness.min())
 

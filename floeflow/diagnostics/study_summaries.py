@@ -23,6 +23,11 @@ def valid_summaries(folder: Path, keys: str) -> dict[str, str]:
         ``results/<scene>``, with its studies; the hard cases beside it hold for any scene.
     keys : str
         Hash of the scene keys that a study reads.
+
+    Returns
+    -------
+    dict of str
+        SHA-256 in hexadecimal by path.
     """
     found = {}
     wanted = dict.fromkeys(sorted(folder.glob(f"*/{DIGEST}")), keys)
@@ -39,6 +44,11 @@ def read_summary(path: Path) -> dict[str, Any]:
     ----------
     path : Path
         Of the digest.
+
+    Returns
+    -------
+    dict
+        As the file has it.
     """
     try:
         data = json.loads(path.read_text(encoding="utf-8"))

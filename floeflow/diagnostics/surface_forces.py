@@ -35,6 +35,11 @@ def forcing_at(scene: Scene, seconds: float) -> dict[str, Array]:
         Its effects say what is there: wind_u, wind_v, ocean_u, ocean_v (m/s), coriolis (1/s).
     seconds : float
         Since its start; a boundary takes the end of the window before it.
+
+    Returns
+    -------
+    dict of ndarray
+        m/s, the Coriolis parameter 1/s, (ny, nx), by name; those that the scene's effects read.
     """
     # A second to import, and what makes no grid has no need of it.
     from floeflow.core.grids import scene_grid

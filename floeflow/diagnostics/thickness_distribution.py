@@ -26,6 +26,11 @@ def thickness_areas(state: xr.Dataset, edges: Array = EDGES) -> Array:
         A state or a snapshot.
     edges : ndarray
         Ascending (m), (bin + 1,).
+
+    Returns
+    -------
+    ndarray
+        m2, (bin,).
     """
     mobile = state["type"].values == MOBILE
     share, volume = (state[name].values[mobile] for name in ("ice_fraction", "ice_volume"))

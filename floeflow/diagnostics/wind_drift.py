@@ -110,6 +110,12 @@ def wind_fit(sums: WindSums) -> WindFit:
     ----------
     sums : WindSums
         Over elements and times.
+
+    Returns
+    -------
+    WindFit
+        Factor (1), angle (rad), current (m/s, complex) and explained share (1); NaN without enough
+        data.
     """
     nothing = WindFit(np.nan, np.nan, complex(np.nan, np.nan), np.nan)
     if sums.weight <= 0.0:

@@ -21,7 +21,7 @@ from floeflow.core.period import Period, shortest, sides
 from floeflow.dynamics.engine.energy_check import check_energy
 from floeflow.dynamics.engine.engine import Engine, EngineParams, Forcing
 from floeflow.dynamics.engine.setup import within_reach
-from floeflow.dynamics.forces import FORCES
+from floeflow.dynamics.forces import ENGINE_SWITCHES, scene_forces
 from floeflow.dynamics.ridging.filled_discs import fill_areas
 from floeflow.dynamics.ridging.overlaps import rest_overlaps
 from floeflow.dynamics.ridging.ridging import close_areas
@@ -78,8 +78,7 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
         SI units, angles in radians.
     """
     d = scene.dynamics
-    named = plugin_switches(scene.effects)
-    switches = {name: True for name in named if name not in FORCES}
+    switches = {name: True for name in plugin_switches(scene.effects) if name in ENGINE_SWITCHES}
     turned = switches.pop("turning_angle", False)
     return EngineParams(
         time_step=time_step,
@@ -102,7 +101,7 @@ def engine_params(scene: Scene, time_step: float = _ANY_STEP) -> EngineParams:
         wind_stress_factor=AIR_DENSITY * d.air_drag,
         ocean_stress_factor=SEAWATER_DENSITY * d.ocean_drag,
         turning_angle=math.radians(d.turning_angle) if turned else 0.0,
-        forces=tuple(FORCES[name](scene) for name in named if name in FORCES),
+        forces=scene_forces(scene),
         relative_wind=d.relative_wind,
         # The lines of the coast hold the ice; its elements only bond.
         fixed_contacts="coast" not in scene.effects or scene.packing.coast_bonds,
@@ -128,6 +127,15 @@ def choose_step(
         As `Engine.load` takes them.
     way : float
         By how much elements may come nearer to each other in the window, m (`nearing`).
+
+    Returns
+    -------
+    time_step : float
+        s.
+    steps : int
+        Between two samples, 1 or more.
+    limited_by : str
+        In words, for the report.
     """
     critical, limited_by = critical_step(elements, bonds, engine_params(scene), way)
     between = scene.time.window / scene.dynamics.samples
@@ -176,6 +184,11 @@ def wall_faces(state: xr.Dataset) -> Arrays | None:
     ----------
     state : xarray.Dataset
         The state.
+
+    Returns
+    -------
+    dict of ndarray or None
+        Columns of the table by name, (faces,) each.
     """
     if "wall_face_ax" not in state or state.sizes["wall_face"] == 0:
         return None
@@ -346,6 +359,11 @@ def steps_between(last: Arrays, now: Arrays, seconds: float, period: Period) -> 
     period : Period
         Along which axes the rectangle repeats itself.
 
+    Returns
+    -------
+    ndarray
+        Along x and y (m), the shorter way around a periodic axis, (2, n).
+
     Raises
     ------
     FloeError
@@ -374,6 +392,12 @@ def with_stress(state: xr.Dataset, inside: Arrays) -> xr.Dataset:
         After the motion.
     inside : dict of ndarray
         From `Engine.internal_forces`, (n,).
+
+    Returns
+    -------
+    xarray.Dataset
+        With internal_force_x and internal_force_y (N) and stress_xx, stress_yy and stress_xy (N/m),
+        over the elements; 0 for elements without area.
     """
     area = state["area"].values
     found = {f"internal_force_{axis}": inside[f"force_{axis}"] for axis in "xy"}

@@ -110,6 +110,11 @@ def rates(
     where : tuple
         File and variable, for the sentence.
 
+    Returns
+    -------
+    Rates
+        Times (s) of the rates, and from which records each is made.
+
     Raises
     ------
     FloeError
@@ -137,6 +142,12 @@ def intervals(
         File and variable, for messages.
     means : bool, optional
         Whether the records are means over their intervals.
+
+    Returns
+    -------
+    Intervals
+        Start and end of each interval (s), its record, and whether its sum goes on from the one
+        before.
 
     Raises
     ------
@@ -195,6 +206,11 @@ def plan(
         File and variable, for the sentence.
     summed : bool
         Whether the records are sums, which their intervals' lengths divide; else means.
+
+    Returns
+    -------
+    Rates
+        Times (s) of the rates, from which records each is made, and the seconds to divide by.
 
     Raises
     ------

@@ -91,6 +91,11 @@ def saturation_over_ice(temperature: Array | float) -> Array | float:
     ----------
     temperature : ndarray or float
         K.
+
+    Returns
+    -------
+    ndarray or float
+        Pa, of the shape of the temperature.
     """
     return 610.78 * np.exp(21.8745584 * (temperature - 273.16) / (temperature - 7.66))
 
@@ -102,6 +107,11 @@ def humidity(weather: Weather) -> float:
     ----------
     weather : Weather
         Block ``forcing.weather`` of the scene.
+
+    Returns
+    -------
+    float
+        kg/kg.
     """
     vapour = weather.relative_humidity * float(saturation_over_ice(weather.air_temperature))
     return 0.622 * vapour / (weather.air_pressure - 0.378 * vapour)

@@ -217,6 +217,11 @@ def find_scalar(
     path : str or Path
         Of the file, for messages.
 
+    Returns
+    -------
+    Variable or None
+        By standard name, else by a name that is in use.
+
     Raises
     ------
     FloeError
@@ -259,6 +264,11 @@ def find_vector(
         Of the file, for messages.
     on_lonlat : callable, optional
         Whether a variable lies on longitude and latitude.
+
+    Returns
+    -------
+    FoundVector or None
+        Both components, and whether they point east and north or along the grid.
 
     Raises
     ------
@@ -348,6 +358,11 @@ def conversion(variable: cf.Variable, si: str, path: str | Path) -> tuple[float,
     path : str or Path
         Of the file, for messages.
 
+    Returns
+    -------
+    factor, offset : float
+        SI value = factor times stored value, plus offset.
+
     Raises
     ------
     FloeError
@@ -383,6 +398,13 @@ def scalar_conversion(
         Its SI unit, and others that are taken.
     path : str or Path
         Of the file, for messages.
+
+    Returns
+    -------
+    factor, offset : float
+        SI value = factor times stored value, plus offset.
+    summed : bool
+        True where the variable is a sum over time.
 
     Raises
     ------

@@ -25,6 +25,11 @@ def users_files(scene: Scene) -> tuple[str, ...]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    tuple of str
+        Empty for analytic forcing without a file of depths.
     """
     files = tuple(map(str, forcing_files(scene))) if scene.forcing.source == "file" else ()
     return (*files, *depth_files(scene))
@@ -37,6 +42,11 @@ def depth_files(scene: Scene) -> tuple[str, ...]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    tuple of str
+        One name, or none.
     """
     asked = "grounding" in scene.effects and scene.grounding.file
     return (scene.grounding.file,) if asked else ()
@@ -49,6 +59,11 @@ def forcing_files(scene: Scene) -> list[Path]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    list of Path
+        Each once.
 
     Raises
     ------
@@ -68,6 +83,11 @@ def all_files(given: Iterable[str], key: str) -> list[Path]:
         Names and patterns.
     key : str
         Of the scene, for messages.
+
+    Returns
+    -------
+    list of Path
+        Each once.
 
     Raises
     ------
@@ -96,6 +116,11 @@ def unzip(path: Path, folder: Path = UNPACKED) -> list[Path]:
         ZIP archive.
     folder : Path, optional
         In which the files are kept.
+
+    Returns
+    -------
+    list of Path
+        Of the unpacked data files, in the archive's order.
 
     Raises
     ------

@@ -66,6 +66,11 @@ def coriolis(scene: Scene) -> Array:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    ndarray
+        1/s, negative in the southern hemisphere, (ny, nx).
     """
     _, lat = to_lonlat(scene_crs(scene.domain), *scene_grid(scene.domain).mesh())
     return 2.0 * EARTH_ROTATION * np.sin(np.radians(lat))
@@ -79,6 +84,11 @@ def sea_floor_depth(scene: Scene) -> Array:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    ndarray
+        m, (ny, nx).
 
     Raises
     ------
@@ -139,6 +149,13 @@ def find_depth(file: InputFile, asked: str) -> tuple[cf.Variable, bool]:
         Bathymetry.
     asked : str
         Name of the variable; empty to look for its standard name.
+
+    Returns
+    -------
+    variable : Variable
+        Of the file.
+    up : bool
+        True for heights above the sea, False for depths below it.
 
     Raises
     ------

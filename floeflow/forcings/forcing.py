@@ -76,6 +76,11 @@ class Places:
         ----------
         track : Track
             Variable of the files.
+
+        Returns
+        -------
+        Transfer
+            The same for variables on the same grid.
         """
         source = track.source()
         for old, found in self.known:
@@ -106,6 +111,11 @@ class Places:
         ----------
         point : int
             Index of the flattened grid.
+
+        Returns
+        -------
+        str
+            Latitude and longitude in degrees.
         """
         lat, lon = self.lat.ravel()[point], (self.lon.ravel()[point] + 180.0) % 360.0 - 180.0
         north, east = "N" if lat >= 0 else "S", "E" if lon >= 0 else "W"
@@ -340,6 +350,11 @@ def describe(item: Track | tuple[Track, Track]) -> str:
     ----------
     item : Track or tuple of Track
         Variable, or two components.
+
+    Returns
+    -------
+    str
+        File, variable, and what is known of level, time and units.
     """
     first = item[0] if isinstance(item, tuple) else item
     whole = ", ".join(track.name for track in (item if isinstance(item, tuple) else (item,)))

@@ -26,6 +26,11 @@ def tracks_of(sources: Sources) -> list[Track]:
     ----------
     sources : Sources
         Open files of the forcing.
+
+    Returns
+    -------
+    list of Track
+        Two for a vector.
     """
     found: list[Track] = []
     for item in sources.tracks.values():
@@ -41,6 +46,11 @@ def opened(scene: Scene) -> Iterator[Sources]:
     ----------
     scene : Scene
         Its keys.
+
+    Yields
+    ------
+    Sources
+        While its files are open.
     """
     files = open_files(forcing_files(scene), forcing_hints(scene))
     try:
@@ -57,6 +67,11 @@ def described(scene: Scene) -> list[str]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    list of str
+        With those that a fallback stands for.
     """
     if scene.forcing.source != "file":
         return []

@@ -37,6 +37,11 @@ class PointFile(InputFile):
         variable : cf.Variable
             One of the file.
 
+        Returns
+        -------
+        Layout
+            One of longitude and latitude, on a map of one point.
+
         Raises
         ------
         FloeError
@@ -59,6 +64,11 @@ class PointFile(InputFile):
         ----------
         variable : cf.Variable
             One of the file.
+
+        Returns
+        -------
+        Source
+            That of all variables of the file.
         """
         return POINT
 
@@ -72,6 +82,11 @@ def at_place(file: InputFile, place: Place | None) -> PointFile:
         As `open_files` gives it.
     place : tuple of float or None
         Longitude and latitude (degrees); None: the file holds a point.
+
+    Returns
+    -------
+    PointFile
+        The nearest point of each variable, without horizontal dimensions.
 
     Raises
     ------

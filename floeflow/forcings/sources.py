@@ -54,6 +54,11 @@ def clock_of(scene: Scene) -> Clock:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    Clock
+        Start, midnight before it (s since the start), and how sums and days off are meant.
     """
     start = scene.time.start
     since = 3600.0 * start.hour + 60.0 * start.minute + start.second + 1e-6 * start.microsecond
@@ -67,6 +72,11 @@ def forcing_hints(scene: Scene) -> Hints:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    Hints
+        Projection of the files, where the scene names one.
     """
     return Hints("forcing", scene.forcing.crs)
 
@@ -82,6 +92,11 @@ def find_sources(scene: Scene, files: Sequence[InputFile], advise: bool = True) 
         Of the forcing, in the order in which they count.
     advise : bool, optional
         Whether messages name keys of a scene that help.
+
+    Returns
+    -------
+    Sources
+        Variable of each quantity that the effects need, or what stands for it.
 
     Raises
     ------
@@ -116,6 +131,11 @@ def label(files: Sequence[InputFile]) -> str:
     ----------
     files : sequence of InputFile
         Files of the forcing.
+
+    Returns
+    -------
+    str
+        The only file, or the first and how many more.
     """
     if len(files) == 1:
         return str(files[0].path)

@@ -57,6 +57,11 @@ def era5_mean(variable: cf.Variable) -> bool:
     ----------
     variable : cf.Variable
         One of the file.
+
+    Returns
+    -------
+    bool
+        True by its name or GRIB's step type.
     """
     short = variable.text("GRIB_shortName") or variable.name
     named = short.startswith("avg_") or short in ERA5_MEANS
@@ -79,6 +84,11 @@ class InputFile:
         ----------
         variable : cf.Variable
             One of the file.
+
+        Returns
+        -------
+        Layout
+            Names of the dimensions of x, y, time and level.
         """
         return cf.layout(self.variables, variable, self.path)
 
@@ -89,6 +99,11 @@ class InputFile:
         ----------
         variable : cf.Variable
             One of the file.
+
+        Returns
+        -------
+        bool
+            False on a projection and on a grid with places of its own.
         """
         return self.layout(variable).lonlat
 
@@ -99,6 +114,11 @@ class InputFile:
         ----------
         variable : cf.Variable
             One of the file.
+
+        Returns
+        -------
+        Source or Curvilinear
+            The same object for the same grid.
         """
         layout = self.layout(variable)
         key = (layout.x, layout.y, *(layout.places or ()), variable.text("grid_mapping"))
@@ -281,6 +301,11 @@ class Track:
         span : tuple of float
             Start and end (s since the scene's start).
 
+        Returns
+        -------
+        Rates
+            Records, in order, their times (s) and the seconds to divide sums by.
+
         Raises
         ------
         FloeError
@@ -341,6 +366,11 @@ class Track:
         ----------
         index : ndarray
             Of the records, (m,).
+
+        Returns
+        -------
+        ndarray
+            In the file's unit, NaN where there is none, (records, ny, nx).
 
         Raises
         ------

@@ -34,6 +34,11 @@ def samples_per_side(spacing: float) -> int:
     ----------
     spacing : float
         Of the cells (m).
+
+    Returns
+    -------
+    int
+        5 to 25.
     """
     return int(np.clip(round(spacing / SAMPLE_SPACING), 5, MOST_SAMPLES))
 
@@ -83,6 +88,11 @@ def make_land(scene: Scene) -> xr.Dataset:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    xarray.Dataset
+        Share of land (1) and land with its straits (1 land, 0 water), (y, x) each, on axes in m.
     """
     grid = mask_grid(scene.domain, scene.mask.refine)
     share, water = land_samples(grid, scene_crs(scene.domain))

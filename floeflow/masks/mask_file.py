@@ -44,6 +44,11 @@ def mask_hints(scene: Scene) -> Hints:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    Hints
+        Projection, codes of flags, name and scale of the concentration.
     """
     mask = scene.mask
     flags = {name: codes for name, codes in mask.flags.model_dump().items() if codes}
@@ -65,6 +70,11 @@ def find_concentration(
         Name of the variable; empty to look for its standard name.
     path : str or Path
         Of the file, for messages.
+
+    Returns
+    -------
+    Variable
+        Of the file.
 
     Raises
     ------
@@ -131,6 +141,13 @@ def nearest_time(
     path : str or Path
         Of the file, for messages.
 
+    Returns
+    -------
+    index : int
+        Along the time axis; 0 where there is none.
+    days : float
+        Distance from the scene's start, not negative.
+
     Raises
     ------
     FloeError
@@ -174,6 +191,11 @@ def wanted_variables(
         Of the file, by name.
     path : Path
         Of the file, for messages.
+
+    Returns
+    -------
+    dict of Wanted
+        Variable, layout, index of its time and days off by key of ``mask``.
 
     Raises
     ------
@@ -242,6 +264,11 @@ def share_factor(variable: cf.Variable, path: str | Path) -> float:
     path : str or Path
         Of the file, for messages.
 
+    Returns
+    -------
+    float
+        1.
+
     Raises
     ------
     FloeError
@@ -271,6 +298,13 @@ def as_share(found: Values, variable: cf.Variable, path: str | Path) -> tuple[Ar
         For its units.
     path : str or Path
         The file, for the message.
+
+    Returns
+    -------
+    share : ndarray
+        0 to 1, NaN where it is not known.
+    said : str
+        A sentence, or empty.
 
     Raises
     ------
@@ -385,6 +419,11 @@ def read_mask_file(scene: Scene) -> MaskFile:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    MaskFile
+        Fields on the file's own grid: concentration (1), thickness (m), land, and notes for people.
 
     Raises
     ------

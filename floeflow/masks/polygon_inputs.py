@@ -14,6 +14,11 @@ def polygon_inputs(mask: Mask) -> list[str]:
     ----------
     mask : Mask
         Block ``mask`` of the scene.
+
+    Returns
+    -------
+    list of str
+        Empty where neither is a file.
     """
     region = mask.region if is_polygon_file(mask.region) else ""
     return [*files_of_polygons(mask.shoreline), *files_of_polygons(region)]

@@ -57,6 +57,11 @@ def told(variable: cf.Variable) -> str:
     ----------
     variable : cf.Variable
         Thickness of a file.
+
+    Returns
+    -------
+    str
+        One of these three.
     """
     methods = " ".join(variable.text("cell_methods").lower().split())
     if "where sea_ice" in methods or "where ice" in methods:
@@ -81,6 +86,11 @@ def thickness_kind(asked: str, variable: cf.Variable, path: str | Path) -> str:
         The thickness.
     path : str or Path
         Its file, for the sentence.
+
+    Returns
+    -------
+    str
+        ``in_ice`` or ``cell_mean``.
 
     Raises
     ------

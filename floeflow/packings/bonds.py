@@ -50,6 +50,11 @@ class Edges:
         ----------
         chosen : ndarray
             (n,).
+
+        Returns
+        -------
+        Edges
+            In their order.
         """
         return Edges(self.lo[chosen], self.hi[chosen], self.ends[chosen])
 
@@ -61,6 +66,11 @@ def ice_edges(packing: xr.Dataset) -> Edges:
     ----------
     packing : xarray.Dataset
         Elements and edges of the tessellation.
+
+    Returns
+    -------
+    Edges
+        Rows of the two elements, and ends (m), (edges, 4).
     """
     ends = np.column_stack([packing[f"edge_{end}"].values for end in ("ax", "ay", "bx", "by")])
     return Edges(packing["edge_lo"].values - 1, packing["edge_hi"].values - 1, ends)
@@ -78,6 +88,11 @@ def coast_edges(packing: xr.Dataset) -> Edges:
     ----------
     packing : xarray.Dataset
         Elements and edges of the tessellation.
+
+    Returns
+    -------
+    Edges
+        Rows of the two elements, and ends (m), (edges, 4).
     """
     radius = packing["radius"].values
     coast = packing["type"].values == COAST

@@ -31,6 +31,11 @@ def land_polygons(grid: Grid, land: Flags) -> list[shapely.Polygon]:
     ----------
     grid, land
         Mask grid and its cells of land, (ny, nx).
+
+    Returns
+    -------
+    list of shapely.Polygon
+        m; with holes where water lies within.
     """
     row, column = np.nonzero(land)
     x, y = grid.x_edges, grid.y_edges

@@ -73,6 +73,11 @@ def off_shore(
         Distance that is to be kept where there is room, m.
     allowed : callable
         Tells of places (m), (k, 2), which may be taken.
+
+    Returns
+    -------
+    ndarray
+        m, (n, 2); where no place around has the distance, that with the most room.
     """
     places = places.copy()
     if len(corner) == 0 or len(places) == 0:

@@ -51,6 +51,11 @@ def disc_sizes(count: int, keys: Discs, generator: np.random.Generator) -> Array
         n(r) ~ r^-exponent; the last two between cut-offs.
     generator : numpy.random.Generator
         The only source of chance.
+
+    Returns
+    -------
+    ndarray
+        1, (count,), in random order.
     """
     low, high = keys.smallest, keys.largest
     if keys.sizes == "equal":

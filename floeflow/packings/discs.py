@@ -178,6 +178,11 @@ def off_coast(points: Array, largest: Array, mean: Array, shore: Shore) -> Array
         Limits so far, and the radii of discs of the elements' area (m), (n,).
     shore : Shore
         Lines and planes.
+
+    Returns
+    -------
+    ndarray
+        m, (n,); never below the share `SLIMMEST` of the mean radius.
     """
     room = np.maximum(shore.clearance(points), SLIMMEST * mean)
     return np.minimum(largest, room)
@@ -197,6 +202,11 @@ def coast_at_ice(points: Array, radius: Array, mobile: int, largest: Array) -> A
         How many are ice.
     largest : ndarray
         Upper limits of the coast's radii (m), (n - mobile,).
+
+    Returns
+    -------
+    ndarray
+        m, (n,); those of the ice are as they were.
     """
     out = radius.copy()
     if mobile in (0, len(points)):

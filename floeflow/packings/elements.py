@@ -88,6 +88,11 @@ def grid_of(mask: xr.Dataset) -> Grid:
     ----------
     mask : xarray.Dataset
         On ``y`` and ``x``.
+
+    Returns
+    -------
+    Grid
+        Centres of the cells, spacing and lower left corner (m).
     """
     x, y = mask["x"].values, mask["y"].values
     spacing = float(x[1] - x[0])

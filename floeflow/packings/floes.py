@@ -87,6 +87,11 @@ def floes_of(mask: xr.Dataset) -> Floes:
     ----------
     mask : xarray.Dataset
         On ``y`` and ``x``.
+
+    Returns
+    -------
+    Floes
+        Pixels of each floe, its number in the mask, and its outline (m).
     """
     x, y = mask["floe_x"].values, mask["floe_y"].values
     spacing = float(mask.attrs["floe_pixel"])

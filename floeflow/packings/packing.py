@@ -164,6 +164,11 @@ def tessellate(mask: xr.Dataset, discs_of: tuple[Array, Array], count: int) -> E
         Centres (n + k, 2) and radii (n + k,) in metres of mobile and coast elements.
     count : int
         n >= 1, how many are mobile.
+
+    Returns
+    -------
+    Elements
+        In the order of the discs: areas (m2), ice, corners of cells and ends of edges (m).
     """
     places, radius = (values[:count] for values in discs_of)
     grid = grid_of(mask)

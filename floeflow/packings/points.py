@@ -39,6 +39,11 @@ def hilbert_key(x: Array, y: Array, x_min: float, y_min: float, side: float) -> 
         Points (n,).
     x_min, y_min, side : float
         Lower left corner and side of the square.
+
+    Returns
+    -------
+    ndarray
+        Integer from 0 to 2^32 - 1, (n,).
     """
     bits = 16
     top = 2**bits - 1
@@ -92,6 +97,11 @@ def samples(grid: Grid, ice: Flags, elements: int, size: Array) -> Samples:
         How many elements there will be.
     size : ndarray
         Their relative size, (ny, nx).
+
+    Returns
+    -------
+    Samples
+        Places (m), cell, area (m2) and weight of each.
     """
     cell = np.flatnonzero(ice)
     density = size.ravel()[cell] ** -2.0
@@ -207,6 +217,11 @@ def lloyd(
         Squared radii (m2), (n,): cells of the power diagram instead, whose weights are adjusted in
         each step so that areas go as the squared radii (Aurenhammer, Hoffmann and Aronov 1998,
         doi 10.1007/PL00009187).
+
+    Returns
+    -------
+    ndarray
+        m, (n, 2).
     """
     points = points.copy()
     wanted = np.zeros(0) if weight is None else weight * (marks.area.sum() / weight.sum())

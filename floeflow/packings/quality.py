@@ -59,6 +59,11 @@ def quality(mask: xr.Dataset, packing: xr.Dataset) -> dict[str, float]:
     ----------
     mask, packing : xarray.Dataset
         Outputs of those stages.
+
+    Returns
+    -------
+    dict of float
+        Each in the unit that its label tells.
     """
     mobile = packing["type"].values == MOBILE
     if not mobile.any():

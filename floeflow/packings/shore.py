@@ -40,6 +40,11 @@ class Shore:
         ----------
         places : ndarray
             m.
+
+        Returns
+        -------
+        ndarray
+            m, (n,).
         """
         return self._nearest(places)[0]
 
@@ -52,6 +57,13 @@ class Shore:
             Centres (n, 2) and radii (n,) of discs, m.
         share : float
             Of the overlap.
+
+        Returns
+        -------
+        moves : ndarray
+            m, (n, 2).
+        deepest : float
+            m, 0 where no disc reaches over a line.
         """
         away, foot = self.lines.nearest(places)
         lack = np.where(np.isfinite(away), np.maximum(target - away, 0.0), 0.0)
@@ -116,6 +128,11 @@ def shore_of(grid: Grid, land: Flags, walls: Arrays | None, reach: float) -> Sho
         Faces as in `floeflow.state.walls`, where they are at the start.
     reach : float
         The largest radius (m) that will be asked for.
+
+    Returns
+    -------
+    Shore
+        Lines that are found by place within the reach, and planes.
     """
     faces = join([rings(*coastline(grid, land)), *([] if walls is None else [walls])])
     endless = faces["plane"] != 0

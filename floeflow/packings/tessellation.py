@@ -176,6 +176,12 @@ def overlay(polygons: NDArray[np.object_], grid: Grid, ice: Flags) -> Overlay:
         Cells that tile the plane around the ice.
     grid, ice
         Mask grid and its ice cells.
+
+    Returns
+    -------
+    Overlay
+        Element, cell of the mask and area (m2) of each piece, and the largest relative change by
+        scaling.
     """
     start, ring = rings_of(polygons)
     element, cell = touched(grid, ice, shapely.bounds(polygons))

@@ -52,6 +52,11 @@ class BoxDrift:
         ----------
         extent : tuple of float
             Left, right, bottom, top of the map.
+
+        Returns
+        -------
+        x, y : ndarray
+            In the unit of the extent, (columns,) and (rows,).
         """
         left, right, bottom, top = extent
         wide = self.cells * (right - left) / self.shape[1]
@@ -67,6 +72,11 @@ class BoxDrift:
         ----------
         time : int
             Index of the time.
+
+        Returns
+        -------
+        u, v : ndarray
+            m/s along the map's axes, (row, column) each.
         """
         still = (self.u[time] == 0.0) & (self.v[time] == 0.0)
         return np.where(still, np.nan, self.u[time]), np.where(still, np.nan, self.v[time])
@@ -79,6 +89,11 @@ def box_drift(grid: xr.Dataset) -> BoxDrift | None:
     ----------
     grid : xarray.Dataset
         On ``time``, ``y`` and ``x``.
+
+    Returns
+    -------
+    BoxDrift or None
+        m/s, (time, row, column), rows from the top of the map down.
     """
     if "siu" not in grid or "siv" not in grid:
         return None

@@ -308,6 +308,11 @@ def packed(data: Bytes | NDArray[np.int8]) -> str:
     ----------
     data : Bytes or ndarray
         Of any shape.
+
+    Returns
+    -------
+    str
+        ASCII.
     """
     return base64.b64encode(zlib.compress(data.tobytes(), 9)).decode()
 
@@ -319,6 +324,11 @@ def palette_of(quantity: Quantity) -> str:
     ----------
     quantity : Quantity
         With its colours and scale.
+
+    Returns
+    -------
+    str
+        Red, green and blue of each level, in base64.
     """
     colours = quantity.cmap(np.linspace(0.0, 1.0, LEVELS))[:, :3]
     return base64.b64encode(np.rint(255 * colours).astype(np.uint8).tobytes()).decode()
@@ -331,6 +341,11 @@ def make_layers(grid: xr.Dataset) -> Iterator[Layer]:
     ----------
     grid : xarray.Dataset
         On ``time``, ``y`` and ``x``.
+
+    Yields
+    ------
+    Layer
+        Frames and colours of one field.
     """
     for name, field in FIELDS.items():
         values = field_frames(grid, name)
@@ -373,6 +388,11 @@ def round_up(value: float) -> float:
     ----------
     value : float
         Above 0, in any unit.
+
+    Returns
+    -------
+    float
+        Not below the value.
     """
     step = nice_step(value, 6)
     return float(np.ceil(value / step - 1e-9) * step)
@@ -416,6 +436,11 @@ def land_path(land: xr.DataArray) -> str:
     ----------
     land : xarray.DataArray
         Share of land, (y, x).
+
+    Returns
+    -------
+    str
+        The attribute ``d`` of a path.
     """
     values = np.pad(np.asarray(land.values, dtype=float), 1, mode="edge")
     x, y = (padded_axis(land[axis].values / 1e3) for axis in ("x", "y"))
@@ -454,6 +479,11 @@ def svg_line(points: Array) -> str:
     ----------
     points : ndarray
         (n, 2).
+
+    Returns
+    -------
+    str
+        Part of the attribute ``d`` of a path; y is turned downward.
     """
     first, rest = points[0], points[1:]
     head = f"M{first[0]:.1f} {-first[1]:.1f}"
@@ -467,6 +497,13 @@ def graticule_path(frame: Frame) -> tuple[str, list[tuple[float, float, str]]]:
     ----------
     frame : Frame
         Projection and extent of the map.
+
+    Returns
+    -------
+    path : str
+        The attribute ``d`` of a path.
+    labels : list of tuple
+        x and y (km) and text of each.
     """
     lines, labels = graticule_lines(frame)
     parts = []

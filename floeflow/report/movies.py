@@ -100,6 +100,11 @@ def draw_pictures(
         Land, projection, extent.
     titles : list of str
         Of each picture.
+
+    Yields
+    ------
+    ndarray
+        Red, green and blue, 0 to 255, (height, width, 3).
     """
     field = FIELDS[name]
     quantity = replace(field.quantity, label=f"{field.title} ({field.unit})")

@@ -243,6 +243,11 @@ def read_template(name: str) -> str:
     ----------
     name : str
         Of a file in ``templates``.
+
+    Returns
+    -------
+    str
+        As it is in the package.
     """
     return (TEMPLATES / name).read_text(encoding="utf-8")
 
@@ -254,6 +259,11 @@ def render(context: Mapping[str, Any]) -> str:
     ----------
     context : mapping
         Names that the template fills in.
+
+    Returns
+    -------
+    str
+        The page, HTML.
     """
     environment = jinja2.Environment(
         autoescape=True,
@@ -273,6 +283,11 @@ def read_numbers(path: Path) -> dict[str, Any]:
     ----------
     path : Path
         Of ``diagnostics.json``.
+
+    Returns
+    -------
+    dict
+        As the file has it.
 
     Raises
     ------

@@ -160,6 +160,11 @@ def speed_scale(scene: Scene) -> Quantity:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    Quantity
+        m/s; without a top where the data set it.
     """
     top = scene.report.maximum_velocity
     return replace(SPEED, high=top if top > 0 else None)
@@ -316,6 +321,11 @@ def packing_pictures(easel: Easel, packing: xr.Dataset) -> Iterator[Picture]:
         Where figures are written.
     packing : xarray.Dataset
         Elements of the start.
+
+    Yields
+    ------
+    Picture
+        One for each distribution.
     """
     for name, caption, figure in packing_figures(packing):
         yield easel.chart(name, caption, figure)

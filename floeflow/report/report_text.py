@@ -101,6 +101,11 @@ def pretty_unit(unit: str) -> str:
     ----------
     unit : str
         As in CF attributes.
+
+    Returns
+    -------
+    str
+        With ² and ³.
     """
     return unit.replace("m2", "m²").replace("m3", "m³")
 
@@ -112,6 +117,11 @@ def duration(seconds: float) -> str:
     ----------
     seconds : float
         Of a time.
+
+    Returns
+    -------
+    str
+        Number of at most three digits, and unit.
     """
     for unit, name in ((86400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
         if seconds >= 2 * unit or (seconds >= unit and seconds % unit == 0):
@@ -127,6 +137,11 @@ def scene_keys(scene: Scene) -> list[Key]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    list of Key
+        Path, value, unit and what it is.
     """
     keys = _keys(scene, "")
     if "thermodynamics" not in scene.effects:
@@ -181,6 +196,11 @@ def effect_lists(scene: Scene) -> tuple[list[Effect], list[Effect]]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    there, absent : list of Effect
+        In the registry's order.
     """
     there = [EFFECTS[name] for name in scene.effects]
     return there, [effect for effect in EFFECTS.values() if effect.name not in scene.effects]
@@ -239,6 +259,11 @@ def packing_figures(packing: xr.Dataset) -> list[tuple[str, float, str]]:
     ----------
     packing : xarray.Dataset
         With quality as attributes.
+
+    Returns
+    -------
+    list of tuple of (str, float, str)
+        In the order of the packing's variables.
     """
     return [
         (str(item.attrs["long_name"]), float(item), str(item.attrs["units"]))

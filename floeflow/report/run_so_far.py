@@ -107,6 +107,11 @@ def find_so_far(folder: Path) -> SoFar:
     folder : Path
         ``results/<scene>``.
 
+    Returns
+    -------
+    SoFar
+        Scene, and names of the chunks and windows that are finished, in order.
+
     Raises
     ------
     FloeError

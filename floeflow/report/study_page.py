@@ -98,6 +98,11 @@ def render_study(study: Study) -> str:
     ----------
     study : Study
         Tables and figures of the page.
+
+    Returns
+    -------
+    str
+        The page, HTML.
     """
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -144,6 +149,11 @@ def cell(value: object) -> str:
     ----------
     value : object
         Number, text or other.
+
+    Returns
+    -------
+    str
+        Numbers with three digits.
     """
     return number(value, 3) if isinstance(value, int | float) else str(value)
 
@@ -157,6 +167,11 @@ def measured(value: float, half: float, digits: int = 0) -> str:
         In one unit.
     digits : int
         More digits than the first of `half`.
+
+    Returns
+    -------
+    str
+        Value ± half of the interval; a dash where either is not finite.
     """
     if not (math.isfinite(value) and math.isfinite(half)):
         return DASH
@@ -171,6 +186,11 @@ def as_markdown(table: Table) -> str:
     ----------
     table : Table
         Title, head, rows and note.
+
+    Returns
+    -------
+    str
+        Lines, the head first.
     """
     lines = [table.head, ["---"] * len(table.head), *([cell(c) for c in r] for r in table.rows)]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)

@@ -209,6 +209,11 @@ def warnings(
         What was found in the mask's file, one a line.
     numbers, budgets
         Of ``diagnostics.json``.
+
+    Returns
+    -------
+    list of str
+        Sentences, each once.
     """
     found = []
     mask = scene.mask
@@ -324,6 +329,11 @@ def motion_facts(analyses: xr.Dataset) -> list[Fact]:
     ----------
     analyses : xarray.Dataset
         Of the analyses of motion.
+
+    Returns
+    -------
+    list of Fact
+        Empty where the run was too short for them.
     """
     if "wind_factor" not in analyses:
         return []

@@ -229,6 +229,11 @@ def scene_warnings(scene: Scene) -> list[str]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    list of str
+        Empty for most scenes.
     """
     found = []
     for name in ("friction_angle", "turning_angle"):

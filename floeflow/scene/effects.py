@@ -5,19 +5,70 @@ A scene names its effects. What it does not name is absent: no rule in the workf
 the plugin, no variable in the state file, no figure in the report. Every stage asks this registry
 instead of keeping a list of its own.
 
-A new effect is one entry here, and one in
-``floeflow/analysis/estimate/dimensionless_numbers.py``: the dimensionless
-number that says when it matters. ``docs/effects.md`` is generated from both.
+A new effect is one entry here. The dimensionless number that says when it matters stands in the
+entry where it is a product or ratio of the scene's conditions; one that takes more is a function of
+``floeflow/analysis/estimate/dimensionless_numbers.py``. ``docs/effects.md`` is generated from both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
+from typing import Any
 
 from floeflow.core.errors import FloeError
 from floeflow.core.extensions import load_extensions
+
+
+@dataclass(frozen=True)
+class Number:
+    """The dimensionless number of an effect: near or above 1 it matters, far below it does not.
+
+    Parameters
+    ----------
+    meaning : str
+        Its formula and what that compares, without a full stop.
+    value : callable
+        Of the scene's conditions (`floeflow.analysis.estimate.conditions.Conditions`), 1; nan where
+        no estimate can tell.
+    """
+
+    meaning: str
+    value: Callable[[Any], float]
+
+
+def no_number(why: str) -> Number:
+    """Stands for a number where no estimate can tell when the effect matters.
+
+    Parameters
+    ----------
+    why : str
+        Said after "None:", without a full stop.
+
+    Returns
+    -------
+    Number
+        nan for all conditions.
+    """
+    return Number(f"None: {why}", lambda _conditions: math.nan)
+
+
+def ratio(part: float, whole: float) -> float:
+    """Quotient of two quantities that are not negative.
+
+    Parameters
+    ----------
+    part, whole : float
+        In the same unit.
+
+    Returns
+    -------
+    float
+        1; where `whole` is 0 infinite, or 0 if `part` is 0 too.
+    """
+    return part / whole if whole > 0 else (math.inf if part > 0 else 0.0)
 
 
 @dataclass(frozen=True)
@@ -56,6 +107,8 @@ class Effect:
         How the names of the figures begin that it adds to the report.
     excludes : tuple of str
         Effects beside which it makes no sense.
+    number : Number, optional
+        Says when it matters; where absent, `dimensionless_numbers` has a function of its name.
     """
 
     name: str
@@ -73,6 +126,7 @@ class Effect:
     rules: tuple[str, ...] = ()
     figures: tuple[str, ...] = ()
     excludes: tuple[str, ...] = ()
+    number: Number | None = None
 
 
 _BOND_STATE = (
@@ -120,6 +174,10 @@ _REGISTERED = (
         ledger=("impulse_wind", "work_wind"),
         forcing=("wind_u", "wind_v"),
         diagnostics=("impulse_wind",),
+        number=Number(
+            "N U_a / U_w: free drift by the wind over the current's speed",
+            lambda c: ratio(c.nansen * c.wind, c.current),
+        ),
     ),
     Effect(
         name="ocean_drag",
@@ -129,6 +187,10 @@ _REGISTERED = (
         ledger=("impulse_ocean", "work_ocean"),
         forcing=("ocean_u", "ocean_v"),
         diagnostics=("impulse_ocean",),
+        number=Number(
+            "T ρ_w C_w U / (ρ_i h): the run over the time in which the ocean's drag acts",
+            lambda c: c.seconds * c.drag_rate,
+        ),
     ),
     Effect(
         name="turning_angle",
@@ -147,6 +209,10 @@ _REGISTERED = (
         ledger=("impulse_coriolis", "work_coriolis"),
         forcing=("coriolis",),
         diagnostics=("impulse_coriolis",),
+        number=Number(
+            "ρ_i h f / (ρ_w C_w U): Coriolis force over ocean drag",
+            lambda c: ratio(abs(c.coriolis), c.drag_rate),
+        ),
     ),
     Effect(
         name="tilt",
@@ -156,6 +222,10 @@ _REGISTERED = (
         ledger=("impulse_tilt", "work_tilt"),
         forcing=("ocean_u", "ocean_v", "coriolis"),
         diagnostics=("impulse_tilt",),
+        number=Number(
+            "ρ_i h f U_w / τ_a: slope of the sea over wind stress",
+            lambda c: ratio(c.mass * abs(c.coriolis) * c.current, c.wind_stress),
+        ),
     ),
     Effect(
         name="grounding",
@@ -165,6 +235,10 @@ _REGISTERED = (
         ledger=("impulse_seabed", "dissipation_seabed"),
         forcing=("sea_floor_depth",),
         diagnostics=("impulse_seabed",),
+        number=Number(
+            "Share of the ice that the seabed can hold against the mean wind",
+            lambda c: c.grounded_share,
+        ),
     ),
     Effect(
         name="friction",
@@ -312,12 +386,17 @@ _REGISTERED = (
         physics="Ice that leaves the rectangle is exported, by side; ice flows in where asked.",
         source="what the elements hold",
         diagnostics=("export_ice_area", "export_ice_volume"),
+        number=Number(
+            "U T / L: drift over the width of the ice, which is what reaches a side",
+            lambda c: ratio(c.slip * c.seconds, c.fetch),
+        ),
     ),
     Effect(
         name="gates",
         physics="Area and volume of the ice that passes lines, such as Fram Strait.",
         source="parts of discs beyond a line",
         diagnostics=("gate_area", "gate_volume"),
+        number=no_number("it changes no result; name it where ice that passes is to be counted"),
     ),
     Effect(
         name="periodic",
@@ -326,30 +405,35 @@ _REGISTERED = (
         excludes=("coast", "refreeze", "mixed_layer", "rims", "gates", "remap", "merge"),
         # Elements that leave come in again, so places do not tell how far they went.
         state=("drift_x", "drift_y"),
+        number=no_number("it says what lies beyond the sides, which no estimate can tell"),
     ),
     Effect(
         name="grid_output",
         physics="Fields of the ice on the scene's grid at each window boundary, as CF NetCDF.",
         source="shares of area, balanced: Sinkhorn & Knopp 1967",
         rules=("fields", "grid"),
+        number=no_number("it changes no result; name it where fields on a grid are wanted"),
     ),
     Effect(
         name="trajectory_output",
         physics="Paths of the elements at the window boundaries, for OVITO and MDAnalysis.",
         source="LAMMPS dump format",
         rules=("trajectory_files",),
+        number=no_number("it changes no result; name it where paths are wanted"),
     ),
     Effect(
         name="internal_stress",
         physics="Stress in the ice and its force, from contacts, bonds and walls: for fields.",
         source="Love 1927; Bagi 1996",
         state=("internal_force_x", "internal_force_y", "stress_xx", "stress_yy", "stress_xy"),
+        number=no_number("it changes no result; name it where stresses in the ice are wanted"),
     ),
     Effect(
         name="ice_age",
         physics="Age of the ice since it froze on open water, or since the start: for fields.",
         source="Hunke et al. 2015",
         state=("ice_age",),
+        number=no_number("it changes no result; name it where the age of the ice is wanted"),
     ),
     Effect(
         name="remap",
@@ -359,12 +443,20 @@ _REGISTERED = (
         state=("cell_corners", "corner_x", "corner_y", "drift_x", "drift_y"),
         diagnostics=("remap_done", "remap_overlap"),
         rules=("cells",),
+        number=Number(
+            "N |∇u_a| T: shear of the pack over the run; elements are distorted at 1",
+            lambda c: c.nansen * c.wind_gradient * c.seconds,
+        ),
     ),
     Effect(
         name="merge",
         physics="Elements that became too small join their largest neighbour.",
         source="Turner et al. 2018 (DEMSI)",
         diagnostics=("merge_elements",),
+        number=Number(
+            "ε: share of the area that closes, which makes elements too small",
+            lambda c: c.closing,
+        ),
     ),
 )
 
@@ -413,6 +505,11 @@ def check_effects(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects, as a scene names them.
+
+    Returns
+    -------
+    tuple of str
+        The same names.
 
     Raises
     ------
@@ -472,6 +569,11 @@ def plugin_switches(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return _collect("plugin", names)
 
@@ -483,6 +585,11 @@ def ledger_sums(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once; an impulse as its components ``_x`` and ``_y``.
     """
     return tuple(
         f"{name}{axis}"
@@ -498,6 +605,11 @@ def forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return _collect("forcing", names)
 
@@ -536,6 +648,11 @@ def diagnostic_series(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return _collect("diagnostics", names)
 
@@ -558,6 +675,11 @@ def column_processes(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return _collect("column", names)
 
@@ -589,5 +711,10 @@ def column_forcing_variables(names: Iterable[str]) -> tuple[str, ...]:
     ----------
     names : iterable of str
         Of effects.
+
+    Returns
+    -------
+    tuple of str
+        Each once.
     """
     return forcing_variables(_column_effects(names))

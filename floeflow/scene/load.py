@@ -158,6 +158,11 @@ def read_resolved(path: str | Path) -> Scene:
     path : str or Path
         Of the resolved scene.
 
+    Returns
+    -------
+    Scene
+        With the values in the file, and no other default.
+
     Raises
     ------
     FloeError
@@ -179,6 +184,11 @@ def read_keys(path: str | Path) -> dict[str, Any]:
     ----------
     path : str or Path
         Of the scene file.
+
+    Returns
+    -------
+    dict
+        By block and key, as YAML gives them.
 
     Raises
     ------
@@ -247,6 +257,11 @@ def build_scene(keys: Mapping[str, Any], choose: Chooser | None = None) -> Scene
         By block.
     choose : Chooser, optional
         What ``effects: auto`` stands for.
+
+    Returns
+    -------
+    Scene
+        Complete, its effects in the registry's order.
 
     Raises
     ------

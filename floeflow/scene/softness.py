@@ -35,6 +35,11 @@ def softened(data: dict[str, Any]) -> dict[str, Any]:
     ----------
     data : dict
         Keys of the block, which stay as they are.
+
+    Returns
+    -------
+    dict
+        The block with ``young_modulus`` and ``contact_modulus`` (Pa), or as it was.
     """
     if data.get("stiffness", "auto") == "full":
         return {"young_modulus": YOUNG, "contact_modulus": CONTACT} | data
@@ -54,6 +59,11 @@ def moduli(strength: float) -> tuple[float, float]:
     ----------
     strength : float
         Compressive strength (Pa).
+
+    Returns
+    -------
+    young, contact : float
+        Pa, within the bounds of the scene's keys.
     """
     young, contact = YOUNG_OVER_STRENGTH * strength, CONTACT_OVER_STRENGTH * strength
     # No softer than what a scene may name.

@@ -16,6 +16,11 @@ def window_name(number: int) -> str:
     ----------
     number : int
         From 0, the state before the first window.
+
+    Returns
+    -------
+    str
+        Such as 0001.
     """
     return f"{number:04d}"
 
@@ -31,6 +36,11 @@ def window_chunks(windows: int, per_job: int) -> dict[str, list[str]]:
         Number of windows of the run.
     per_job : int
         Windows in one chunk.
+
+    Returns
+    -------
+    dict of list of str
+        Names of windows, in order, by the name of the last.
 
     Raises
     ------

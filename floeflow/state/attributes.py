@@ -40,6 +40,13 @@ def check_attributes(attrs: Mapping[Hashable, object]) -> tuple[tuple[str, ...],
     attrs : mapping of object
         Of a state.
 
+    Returns
+    -------
+    effects : tuple of str
+        Of the state.
+    scheme : str
+        Of its columns.
+
     Raises
     ------
     FloeError

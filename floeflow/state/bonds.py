@@ -173,6 +173,11 @@ def lines_in_space(table: Arrays, x: np.ndarray, y: np.ndarray, theta: np.ndarra
         Ends in the body frame of the lower id, ``lo_ax`` to ``lo_by`` (m), (bond,).
     x, y, theta : ndarray
         Place (m) and orientation (rad) of the element of the lower id, (bond,).
+
+    Returns
+    -------
+    ndarray
+        x and y (m), (bond, end, 2).
     """
     cos, sin = np.cos(theta), np.sin(theta)
     ends = []
@@ -189,6 +194,11 @@ def empty_pairs(columns: tuple[str, ...]) -> Arrays:
     ----------
     columns : tuple of str
         Names of the columns.
+
+    Returns
+    -------
+    dict of ndarray
+        ids and columns by name, (0,) each.
     """
     table: Arrays = {"id_lo": np.zeros(0, np.int64), "id_hi": np.zeros(0, np.int64)}
     return table | {name: np.zeros(0) for name in columns}

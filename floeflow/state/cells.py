@@ -73,6 +73,11 @@ def read_cells(data: xr.Dataset) -> Cells:
     ----------
     data : xarray.Dataset
         Cells of a packing.
+
+    Returns
+    -------
+    Cells
+        Outlines, areas (m2), neighbours and common sides (m) of the cells.
     """
     start, ring = data["cell_start"].values, np.stack([data["cell_x"], data["cell_y"]], axis=1)
     return Cells(
@@ -116,6 +121,12 @@ def rings_of(polygons: NDArray[np.object_]) -> tuple[Index, Array]:
     ----------
     polygons : ndarray
         Of shapely, (n,).
+
+    Returns
+    -------
+    start, corner : ndarray
+        Row of each ring's first corner, (n + 1,), and x and y (m), (c, 2); the first corner is not
+        repeated.
     """
     xy, of = shapely.get_coordinates(polygons, return_index=True)
     last = np.append(of[1:] != of[:-1], True) if len(of) else np.zeros(0, dtype=bool)

@@ -73,6 +73,11 @@ def bearing_thickness(state: xr.Dataset) -> np.ndarray:
     ----------
     state : xarray.Dataset
         The state.
+
+    Returns
+    -------
+    ndarray
+        m, (n,).
     """
     return np.asarray(state["ice_volume"].values.sum(axis=1))
 
@@ -87,6 +92,11 @@ def joint_thickness(state: xr.Dataset) -> np.ndarray:
     ----------
     state : xarray.Dataset
         The state.
+
+    Returns
+    -------
+    ndarray
+        m, (n,).
     """
     thickness = bearing_thickness(state)
     coast = state["type"].values == COAST
@@ -128,6 +138,12 @@ def moved_state(
         State before the motion.
     elements, bonds, contacts, wall_contacts : dict of ndarray
         What the model holds now; sorted by id, by (id_lo, id_hi) and by (id, face).
+
+    Returns
+    -------
+    xarray.Dataset
+        Places, velocities and orientations from `elements`, and the tables that are given; all else
+        as in `state`.
     """
     kinds = {"bond": bonds, "contact": contacts, "wall_contact": wall_contacts}
     pairs = tuple(f"{kind}_" for kind in kinds)
@@ -146,6 +162,11 @@ def with_tables(state: xr.Dataset, tables: Mapping[str, Arrays]) -> xr.Dataset:
         A state.
     tables : mapping of Arrays
         Names without the kind's prefix: bond, contact, wall_contact, wall_face.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables ``<kind>_<name>`` over the dimension ``<kind>``, in the schema's types.
     """
     found = {}
     for kind, table in tables.items():
@@ -169,6 +190,11 @@ def carry_drift(
         State before and after the motion.
     way : tuple of ndarray, optional
         How far each element went in x and y (m), (n,); absent: as its places tell.
+
+    Returns
+    -------
+    xarray.Dataset
+        With drift_x and drift_y (m) over the elements; `after` itself where `before` counts none.
     """
     if "drift_x" not in before:
         return after
@@ -191,6 +217,11 @@ def thin_bonds(state: xr.Dataset) -> xr.Dataset:
     ----------
     state : xarray.Dataset
         The state.
+
+    Returns
+    -------
+    xarray.Dataset
+        Without bonds between elements whose ice has gone; the state itself where it has no bonds.
     """
     if "bond_thickness" not in state:
         return state

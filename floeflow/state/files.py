@@ -69,6 +69,11 @@ def write_dataset(data: xr.Dataset, path: str | Path) -> str:
     path : str or Path
         Its place; folders are made.
 
+    Returns
+    -------
+    str
+        SHA-256 of the content, in hexadecimal.
+
     Raises
     ------
     FloeError
@@ -93,6 +98,11 @@ def read_dataset(path: str | Path) -> xr.Dataset:
     ----------
     path : str or Path
         Of the file.
+
+    Returns
+    -------
+    xarray.Dataset
+        In memory; the file is closed.
 
     Raises
     ------
@@ -130,6 +140,11 @@ def write_state(
         In which the file keeps the variables that `schema.ROUNDED` names; ids, counts and the
         variables of `schema.EXACT` stay as they are.
 
+    Returns
+    -------
+    str
+        SHA-256 of the content, in hexadecimal.
+
     Raises
     ------
     FloeError
@@ -158,6 +173,11 @@ def read_state(path: str | Path) -> xr.Dataset:
     ----------
     path : str or Path
         Of the file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Of the present schema version, in memory.
 
     Raises
     ------

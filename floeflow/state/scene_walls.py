@@ -27,6 +27,11 @@ def make_planes(scene: Scene) -> list[Arrays]:
     scene : Scene
         Its keys.
 
+    Returns
+    -------
+    list of dict of ndarray
+        Table of faces of each plane; empty without the effect ``walls``.
+
     Raises
     ------
     FloeError
@@ -58,6 +63,11 @@ def make_walls(scene: Scene) -> list[Arrays]:
     scene : Scene
         Its keys.
 
+    Returns
+    -------
+    list of dict of ndarray
+        Table of faces of each wall.
+
     Raises
     ------
     FloeError
@@ -78,6 +88,11 @@ def scene_walls(scene: Scene) -> Arrays | None:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    dict of ndarray or None
+        One table of faces, numbered by wall.
     """
     walls = make_walls(scene)
     return join(walls) if walls else None

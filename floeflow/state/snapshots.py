@@ -35,6 +35,11 @@ def snapshot(state: xr.Dataset) -> xr.Dataset:
     ----------
     state : xarray.Dataset
         The state.
+
+    Returns
+    -------
+    xarray.Dataset
+        Element variables that later stages read and, with bonds, the length (m) that they hold.
     """
     kept = [
         str(name)
@@ -56,6 +61,11 @@ def bonded_length(state: xr.Dataset) -> np.ndarray:
     ----------
     state : xarray.Dataset
         With a bond table.
+
+    Returns
+    -------
+    ndarray
+        m, (element,); 0 without bonds.
     """
     ids = state["id"].values
     left = 1.0 - state["bond_crack_a"].values - state["bond_crack_b"].values
@@ -111,6 +121,11 @@ def split_snapshots(joined: xr.Dataset) -> Iterator[xr.Dataset]:
     ----------
     joined : xarray.Dataset
         Snapshots along ``boundary``.
+
+    Yields
+    ------
+    xarray.Dataset
+        Of one boundary, in the order of time.
     """
     ends = {
         dim: np.cumsum(joined[f"{dim}_count"].values) for dim in RAGGED if f"{dim}_count" in joined
@@ -155,6 +170,11 @@ def read_snapshots(paths: Iterable[str | Path]) -> Iterator[xr.Dataset]:
     ----------
     paths : iterable of str or Path
         Of files of ``elements/``.
+
+    Yields
+    ------
+    xarray.Dataset
+        Of one boundary, in the order of the files.
 
     Raises
     ------

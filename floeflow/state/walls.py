@@ -40,6 +40,11 @@ def plane(x: float, y: float, normal: Velocity, velocity: Velocity = (0.0, 0.0))
     velocity : Velocity, optional
         m/s.
 
+    Returns
+    -------
+    dict of ndarray
+        Table of one face.
+
     Raises
     ------
     FloeError
@@ -65,6 +70,12 @@ def lines(ends: np.ndarray, velocity: Velocity = (0.0, 0.0), name: str = "The wa
         m/s.
     name : str
         For the sentence of a fault.
+
+    Returns
+    -------
+    dict of ndarray
+        Table of faces, (lines,) each; ``before`` and ``after`` are rows of those that join, -1
+        where none does.
 
     Raises
     ------
@@ -165,6 +176,11 @@ def join(walls: list[Arrays]) -> Arrays:
     ----------
     walls : list of Arrays
         Tables of faces.
+
+    Returns
+    -------
+    dict of ndarray
+        One table; ``wall`` counts from 0.
     """
     out: dict[str, list[np.ndarray]] = {name: [] for name in (*FACE_NUMBERS, *FACE_COLUMNS)}
     start = 0

@@ -134,6 +134,11 @@ class Bins:
         ----------
         amount : ndarray
             Of each element, (n,), in any unit.
+
+        Returns
+        -------
+        float
+            In the unit of the amounts; 0 where all are placed.
         """
         return float(amount[~self.placed()].sum())
 
@@ -156,6 +161,11 @@ def build_room(x: Array, y: Array, area: Array, grid: Grid, *, reach: int = 1) -
         The grid.
     reach : int
         Half-width of the hats in grid spacings.
+
+    Returns
+    -------
+    Room
+        Area of sea (m2) and pull (1) of each cell, of the grid's shape.
 
     Raises
     ------
@@ -196,6 +206,11 @@ def open_room(target: Target, area: Array | None = None, *, reach: int = 1) -> R
     reach : int
         Half-width of the hats in grid spacings.
 
+    Returns
+    -------
+    Room
+        Area of sea (m2) of each cell, and a pull of 1 where it has any.
+
     Raises
     ------
     FloeError
@@ -230,6 +245,11 @@ def build_bins(
         the grid's cells has left the grid and gets no share.
     pairs : Stencil, optional
         ``room.target.pairs(x, y, room.reach)``, where it is known already.
+
+    Returns
+    -------
+    Bins
+        Matrix (cells, n) of shares (1), whose columns add up to 1 for elements that are placed.
 
     Raises
     ------

@@ -217,6 +217,11 @@ def near_cells(
         The grid; hats of a mesh reach no farther than to the neighbouring nodes anyway.
     pairs : Stencil
         Pairs of nodes and these elements.
+
+    Returns
+    -------
+    ndarray
+        Of bool, (target.shape).
     """
     node = np.repeat(np.arange(len(pairs.start) - 1), np.diff(pairs.start))
     near = np.zeros(len(pairs.start) - 1, bool)

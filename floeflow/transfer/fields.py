@@ -98,6 +98,11 @@ def build_remapper(
         As `build_weights` takes them.
     nearest : bool
         Weights of the nearest element alone instead; of all elements, not of slices.
+
+    Returns
+    -------
+    Remapper
+        Weights by parent, and bins, from the same elements.
     """
     pairs = room.target.pairs(x, y, room.reach)
     if nearest:
@@ -160,6 +165,11 @@ def parent_weights(field: Field, remapper: Remapper) -> Weights:
     remapper : Remapper
         Weights by the name of the parent.
 
+    Returns
+    -------
+    Weights
+        From the remapper.
+
     Raises
     ------
     FloeError
@@ -185,6 +195,11 @@ def ratio(field: Field, amount: Array, parent: Array) -> Array:
         Of the field in each element, (n,).
     parent : ndarray
         Amount of the parent, (n,).
+
+    Returns
+    -------
+    ndarray
+        In the unit of the amount over that of the parent, (n,).
 
     Raises
     ------

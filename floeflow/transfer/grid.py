@@ -131,6 +131,12 @@ class Grid:
         reach : int
             Half-width of the hats in grid spacings.
 
+        Returns
+        -------
+        Stencil
+            Pairs sorted by node, with the hat's value (1) and the place of the element relative to
+            the node (spacings).
+
         Raises
         ------
         FloeError

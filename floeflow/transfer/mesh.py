@@ -138,6 +138,12 @@ class Mesh:
         reach : int
             Hats of a mesh reach to the neighbouring nodes: 1.
 
+        Returns
+        -------
+        Stencil
+            Pairs sorted by node, with the hat's value (1) and the place of the element relative to
+            the node (in the node's length).
+
         Raises
         ------
         FloeError
@@ -248,6 +254,11 @@ def curvilinear(x: Array, y: Array, crs: str = "", area: Array | None = None) ->
         Projection of the places.
     area : ndarray, optional
         Areas of the cells (m2), (ny, nx).
+
+    Returns
+    -------
+    Mesh
+        Nodes in the order of the rows; fields have the shape of `x`.
 
     Raises
     ------

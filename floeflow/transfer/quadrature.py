@@ -43,6 +43,11 @@ def disc_points(x: Array, y: Array, radius: Array, spacing: float) -> Points:
     spacing : float
         Grid spacing that the points must resolve (m).
 
+    Returns
+    -------
+    Points
+        Places (m), (p,), and the matrix (n, p) that takes means over the discs.
+
     Raises
     ------
     FloeError
@@ -76,6 +81,11 @@ def polygon_points(start: Index, x: Array, y: Array, spacing: float) -> Points:
         Corners of the open rings (m), (corners,).
     spacing : float
         Grid spacing that the points must resolve (m).
+
+    Returns
+    -------
+    Points
+        Places (m), (p,), and the matrix (n, p) that takes means over the polygons.
 
     Raises
     ------

@@ -89,6 +89,11 @@ class Sampler:
         name : str, optional
             For messages.
 
+        Returns
+        -------
+        ndarray
+            In the unit of the amounts, (target.shape).
+
         Raises
         ------
         FloeError
@@ -131,6 +136,11 @@ def build_sampler(
         get and give nothing, whatever they hold.
     fill : float
         An element without a node that counts takes the nearest that does, up to this far (m).
+
+    Returns
+    -------
+    Sampler
+        Matrix (n, nodes) whose rows add up to 1, or to 0 where an element has no node.
 
     Raises
     ------
@@ -208,6 +218,11 @@ def vector_at(
         are the scene's.
     name : str
         What it is, for messages.
+
+    Returns
+    -------
+    x, y : ndarray
+        In the unit of the components, (..., n) each.
     """
     if turn is not None:
         u, v = rotate(u, v, turn)
@@ -227,6 +242,11 @@ def vector_back(
         Components along the scene's axes, (n,).
     turn, name
         As `vector_at` takes them.
+
+    Returns
+    -------
+    u, v : ndarray
+        In the unit of the amounts, (target.shape) each.
     """
     back_u, back_v = sampler.give_back(u, f"{name}_x"), sampler.give_back(v, f"{name}_y")
     return (back_u, back_v) if turn is None else rotate(back_u, back_v, -turn)

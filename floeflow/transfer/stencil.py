@@ -345,6 +345,11 @@ def plane_weights(
         Amount of the parent in each element, (n,).
     planes : Planes
         Of the nodes.
+
+    Returns
+    -------
+    ndarray
+        1, (pairs,), in the order of the pairs.
     """
     mass, cx, cy, gx, gy = planes
     psi = np.empty(len(element))

@@ -27,6 +27,11 @@ def target_variables(target: Target) -> dict[str, tuple[tuple[str, ...], np.ndar
     target : Target
         Grid or elements.
 
+    Returns
+    -------
+    dict of (tuple of str, ndarray)
+        Dimensions and values by name; lengths in m.
+
     Raises
     ------
     FloeError
@@ -85,6 +90,11 @@ def load_weights(path: str | Path) -> Weights:
     ----------
     path : str or Path
         Of the file.
+
+    Returns
+    -------
+    Weights
+        On the target that the file describes.
 
     Raises
     ------

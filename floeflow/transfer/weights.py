@@ -129,6 +129,11 @@ class Weights:
         ----------
         distance : float
             m.
+
+        Returns
+        -------
+        Weights
+            With status `FILLED` at nodes that were empty; what is further away stays empty.
         """
         status = self.status.ravel().copy()
         empty, known = np.flatnonzero(status == EMPTY), np.flatnonzero(status != EMPTY)

@@ -23,6 +23,11 @@ def clock_sentence(folder: Path) -> str:
     ----------
     folder : Path
         ``results/<scene>``.
+
+    Returns
+    -------
+    str
+        One line; it names the first such file and how many there are.
     """
     latest = time.time() + TOLERANCE
     newer = [path for path in sorted(folder.rglob("*")) if _age(path) > latest]

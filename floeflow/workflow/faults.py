@@ -55,6 +55,11 @@ def take_faults(results: Path, run: str) -> list[str]:
         The folder with a folder for each scene.
     run : str
         Id of the run, which its jobs carry in their environment.
+
+    Returns
+    -------
+    list of str
+        Each sentence once.
     """
     found = []
     for path in sorted(results.glob(f"*/{FAULT}")):

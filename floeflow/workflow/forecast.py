@@ -34,6 +34,11 @@ class Forecast:
         ----------
         folder : Path
             ``results/<scene>``.
+
+        Returns
+        -------
+        str
+            Time and size beside what was expected.
         """
         size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
         return outcome(self.found, time.monotonic() - self.began, size)
@@ -50,6 +55,11 @@ def forecast(scene: Scene, chunks: Iterable[str], workflow: Any) -> Forecast | N
         Names of its chunks.
     workflow : snakemake.workflow.Workflow
         About to run its jobs.
+
+    Returns
+    -------
+    Forecast or None
+        Expected seconds and bytes, from this moment on.
     """
     about = {
         job.wildcards["chunk"]

@@ -127,6 +127,11 @@ def scene_of(snakemake: Snakemake) -> Scene:
     ----------
     snakemake : Snakemake
         Object that Snakemake gives to scripts.
+
+    Returns
+    -------
+    Scene
+        With all its keys.
     """
     return read_resolved(snakemake.input.scene)
 
@@ -142,6 +147,13 @@ def launcher_of(snakemake: Snakemake) -> tuple[tuple[str, ...], int]:
     ----------
     snakemake : Snakemake
         Object that Snakemake gives to scripts.
+
+    Returns
+    -------
+    words : tuple of str
+        The program first.
+    ranks : int
+        1 or more.
     """
     mpi = str(snakemake.resources.get("mpi") or "")
     if mpi:
@@ -156,6 +168,11 @@ def scene_folder(snakemake: Snakemake) -> Path:
     ----------
     snakemake : Snakemake
         Object that Snakemake gives to scripts.
+
+    Returns
+    -------
+    Path
+        Relative to the working directory.
     """
     name = getattr(snakemake.wildcards, "scene", None)
     return Path("results") / str(name) if name else Path(str(snakemake.output[0])).parent

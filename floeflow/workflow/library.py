@@ -42,6 +42,11 @@ def package_digest(package: str) -> str:
     ----------
     package : str
         Name of a package, with dots.
+
+    Returns
+    -------
+    str
+        Hexadecimal, 64 digits.
     """
     folder = Path(floeflow.__file__).parent / package
     digest = hashlib.sha256()
@@ -59,6 +64,11 @@ def library_digest(stage: str) -> str:
     ----------
     stage : str
         Name of the stage.
+
+    Returns
+    -------
+    str
+        Hexadecimal, 16 digits; extensions that are installed change it.
     """
     parts = [package_digest(package) for package in (*SHARED, *PACKAGES[stage])]
     parts += [added] if (added := extension_digest()) else []
@@ -72,6 +82,11 @@ def made_with(plugin: Path) -> str:
     ----------
     plugin : Path
         Path of the plugin's library.
+
+    Returns
+    -------
+    str
+        Two times 16 hexadecimal digits, with a hyphen between.
     """
     return f"{file_hash(plugin)[:16]}-{library_digest('windows')}"
 

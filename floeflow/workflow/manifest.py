@@ -40,6 +40,11 @@ def input_files(scene: Scene) -> list[str]:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    list of str
+        Sorted, each once.
     """
     mask = scene.mask
     named = [
@@ -60,6 +65,11 @@ def hash_of(name: str) -> str:
     ----------
     name : str
         Of a file or folder.
+
+    Returns
+    -------
+    str
+        Hexadecimal, 64 digits.
     """
     path = Path(name)
     if not path.is_dir():
@@ -89,6 +99,11 @@ def timings(folder: Path) -> dict[str, dict[str, float]]:
     ----------
     folder : Path
         ``results/<scene>``.
+
+    Returns
+    -------
+    dict of dict of float
+        By job, then by name of the number.
     """
     found = {}
     for path in sorted((folder / "benchmarks").rglob("*.tsv")):

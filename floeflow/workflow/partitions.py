@@ -17,6 +17,11 @@ def partition_minutes(arguments: Sequence[str] = ()) -> int | None:
     ----------
     arguments : sequence of str
         Snakemake's command line, which may name a partition with ``slurm_partition=``.
+
+    Returns
+    -------
+    int or None
+        minutes.
     """
     named = re.search(r"\bslurm_partition=['\"]?([\w.-]+)", " ".join(arguments))
     partition = named[1] if named else os.environ.get("SBATCH_PARTITION", "")
@@ -58,6 +63,11 @@ def minutes(limit: str) -> int | None:
     ----------
     limit : str
         As Slurm prints it.
+
+    Returns
+    -------
+    int or None
+        minutes; seconds are left out.
     """
     found = re.fullmatch(r"(?:(\d+)-)?(?:(\d+):)?(\d+):(\d+)", limit.strip())
     if found is None:

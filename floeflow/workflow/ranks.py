@@ -19,6 +19,11 @@ def asked_ranks(settings: Any) -> Any:
     ----------
     settings : object
         Of Snakemake's command line.
+
+    Returns
+    -------
+    object
+        As Snakemake holds it.
     """
     asked = getattr(settings, "overwrite_threads", {}).get(RULE)
     return getattr(asked, "raw", asked)
@@ -54,6 +59,11 @@ def ranks_sentence(asked: int, cores: int, processors: int) -> str:
     ----------
     asked, cores, processors : int
         Ranks of a window, cores that Snakemake may use, processors that there are.
+
+    Returns
+    -------
+    str
+        Without a full stop.
     """
     if asked > cores:
         return (

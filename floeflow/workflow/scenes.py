@@ -98,6 +98,11 @@ class Run:
         ----------
         chunk : str
             Name of the chunk.
+
+        Returns
+        -------
+        str
+            That of the start, 0000, before the first chunk.
         """
         return window_name(int(self.chunks[chunk][0]) - 1)
 
@@ -190,6 +195,11 @@ class Scenes:
         ----------
         name : str
             Of the scene.
+
+        Returns
+        -------
+        Run
+            The same object for the same name.
         """
         if name not in self._runs:
             with refused_in_a_sentence(name):
@@ -203,6 +213,11 @@ class Scenes:
         ----------
         name : str
             Of the scene.
+
+        Returns
+        -------
+        Scene
+            With all its keys.
         """
         return self.run(name).scene
 
@@ -255,6 +270,11 @@ class Scenes:
         ----------
         name : str
             Of the scene.
+
+        Returns
+        -------
+        str or list of str
+            Path, or an empty list.
         """
         if name not in self._files:
             self.run(name)

@@ -31,6 +31,11 @@ class OneLine(logging.Formatter):
         ----------
         record : logging.LogRecord
             Of the log.
+
+        Returns
+        -------
+        str
+            For the terminal.
         """
         text = self._inner.format(record)
         if getattr(record, "event", None) is None or record.levelno >= logging.WARNING:
@@ -47,6 +52,11 @@ def tells(record: logging.LogRecord) -> bool:
     ----------
     record : logging.LogRecord
         Of the log.
+
+    Returns
+    -------
+    bool
+        False for what Snakemake says while it has nothing to do.
     """
     words = str(record.msg or "").strip()
     named = getattr(record, "event", None) is not None

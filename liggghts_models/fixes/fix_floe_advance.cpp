@@ -31,12 +31,6 @@ void add_external(floe::Ledger &sum, const floe::DriftStep &step, floe::Vec2 mea
   sum.impulse_tilt_y += step.tilt.y;
 }
 
-void add_seabed(floe::SeabedLedger &sum, floe::Vec2 impulse, floe::Vec2 mean) {
-  sum.impulse_x += impulse.x;
-  sum.impulse_y += impulse.y;
-  sum.dissipation -= impulse.x * mean.x + impulse.y * mean.y;
-}
-
 }  // namespace
 
 void FixFloeIntegrate::write_forces() {
@@ -85,7 +79,7 @@ floe::DampingWork FixFloeIntegrate::damping_to_now() const {
 void FixFloeIntegrate::initial_integrate(int) {
   elapsed_ += update->dt;
   if (with_variables_) sample_variables();
-  if (law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt || seabed.use)
+  if (law.use_wind || law.use_ocean || law.use_coriolis || law.use_tilt || forces.any())
     advance<true>();
   else
     advance<false>();
@@ -179,7 +173,9 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
   const int *type = atom->type, *mask = atom->mask;
   const double step = update->dt;
   const bool exact = !damped_contact.empty();
-  const bool grounds = seabed.use && !forcing.depth.empty();
+  const floe::Forces acting = forces.with_depth(!forcing.depth.empty());
+  const bool act = acting.any();
+  floe::Forces::Impulses given_by_forces;
 
   for (int i = first; i < last; ++i) {
     if (!Fused && !(mask[i] & groupbit)) continue;  // post_integrate() turns it
@@ -197,15 +193,14 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     const double m = mass[i], r = Fused ? body[i].radius : radius[i];
     const double spin = from_body ? body[i].spin : omega[i][2];
     floe::DriftStep out;
-    double new_spin, limit = 0.0;
+    double new_spin;
     if constexpr (External) {
       const double area = ice_area[i] < 0.0 ? M_PI * r * r : ice_area[i];
       floe::ForcingSample here = floe::forcing_on(forcing, time, x[i][0], x[i][1], r);
       if (with_variables_) take_variables(i, here);
       const floe::DriftInput in{u, contact, m, area, here.wind, here.ocean, here.coriolis};
-      if (grounds) limit = floe::seabed_limit(seabed, thickness[i], cover[i], area, here.depth);
-      out = limit > 0.0 ? floe::grounded_step(law, in, limit, seabed.creep, step)
-                        : floe::drift_step(law, in, step);
+      out = act ? acting.step(law, {in, thickness[i], cover[i], here.depth}, step, given_by_forces)
+                : floe::drift_step(law, in, step);
       new_spin =
           floe::spin_step(law.use_ocean, law.water, spin, torque, m, r, area, here.vorticity, step);
     } else {
@@ -228,7 +223,7 @@ void FixFloeIntegrate::advance_some(int first, int last, const floe::ForcingTime
     if (exact) count_damping(i, u, out.u_new, spin, new_spin, sum);
     if constexpr (External) {
       add_external(sum, out, mean);
-      if (limit > 0.0) add_seabed(seabed_ledger, out.seabed, mean);
+      if (act) floe::Forces::add(force_ledger, given_by_forces, mean);
       double *const given = impulse[i];
       given[0] += out.wind.x;
       given[1] += out.wind.y;

@@ -41,8 +41,6 @@ FixFloeIntegrate::FixFloeIntegrate(LAMMPS *lmp, int narg, char **arg)
       fused(false),
       use_orientation(true),
       law{},
-      seabed{false, floe::defaults::keel_ratio, floe::defaults::seabed_strength,
-             floe::defaults::seabed_creep, floe::defaults::seabed_openness},
       start_time(0.0),
       ask_fused(false),
       arrays_current_(true),
@@ -122,6 +120,11 @@ void FixFloeIntegrate::parse(int first, int narg, char **arg) {
     if (value < 0.0) fail(std::string(key) + " must not be negative");
     return value;
   };
+  const auto positive = [&](const char *key) {
+    const double value = number(key);
+    if (value <= 0.0) fail(std::string(key) + " must be above 0");
+    return value;
+  };
   for (; k < narg; ++k) {
     const std::string key = arg[k];
     const char *name = arg[k];
@@ -135,18 +138,6 @@ void FixFloeIntegrate::parse(int first, int narg, char **arg) {
       law.use_coriolis = flag(name);
     else if (key == "tilt")
       law.use_tilt = flag(name);
-    else if (key == "seabed")
-      seabed.use = flag(name);
-    else if (key == "keel_ratio") {
-      seabed.keel_ratio = number(name);
-      if (seabed.keel_ratio <= 0.0) fail("keel_ratio must be above 0");
-    } else if (key == "seabed_strength")
-      seabed.strength = not_negative(name);
-    else if (key == "seabed_creep") {
-      seabed.creep = number(name);
-      if (seabed.creep <= 0.0) fail("seabed_creep must be above 0");
-    } else if (key == "seabed_openness")
-      seabed.openness = not_negative(name);
     else if (key == "depth")
       forcing.depth.assign(1, not_negative(name));
     else if (key == "fused")
@@ -177,13 +168,18 @@ void FixFloeIntegrate::parse(int first, int narg, char **arg) {
       forcing.velocity[3] = speed(name, 3);
     } else if (key == "coriolis_parameter")
       forcing.coriolis[0] = number(name);
-    else
+    else if (const floe::ForceKey own = floe::Forces::find(key); own.force < 0)
       fail("unknown keyword " + key);
+    else if (own.value < 0)
+      forces.use[own.force] = flag(name);
+    else
+      forces.value[own.force][own.value] = own.zero ? not_negative(name) : positive(name);
   }
   with_variables_ = false;
   for (const std::string &name : variable_names_) with_variables_ |= !name.empty();
   // FloeFlow's engine, which asks for fused, gives the depth with the forcing.
-  if (seabed.use && forcing.depth.empty() && !ask_fused) fail("seabed yes needs depth");
+  const char *const deep = forces.reads_depth();
+  if (deep && forcing.depth.empty() && !ask_fused) fail(std::string(deep) + " yes needs depth");
 }
 
 // Another wind in the middle of a script: what the fix holds of the elements stays.

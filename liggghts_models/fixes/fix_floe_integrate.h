@@ -16,10 +16,10 @@
 #include "body.h"
 #include "drag.h"
 #include "fix.h"
+#include "forces.h"
 #include "forcing.h"
 #include "large_pages.h"
 #include "ledger.h"
-#include "seabed.h"
 
 namespace floe {
 class PairFloe;
@@ -103,14 +103,15 @@ class FixFloeIntegrate : public Fix {
   bool use_orientation;  // false where no bond needs cosine and sine
 
   floe::DriftLaw law;
-  floe::SeabedLaw seabed;
+  floe::Forces forces;
   floe::ForcingGrid forcing;
   double start_time;           // s, time of step 0 on the forcing's axis
   double step_length() const;  // s
   // Of all steps so far, whatever their lengths were, s.
   double elapsed() const { return elapsed_; }
   floe::Ledger ledger;
-  floe::SeabedLedger seabed_ledger;
+  // Of the further forces; their sums come last of all: scripts name sums by their numbers.
+  floe::Forces::Ledger force_ledger;
   floe::Fault fault;
 
  private:

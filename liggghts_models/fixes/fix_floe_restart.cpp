@@ -3,8 +3,10 @@
 // fix floe/integrate: restart files, and sums for input scripts.
 #include <mpi.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include "atom.h"
@@ -20,25 +22,37 @@ using namespace LAMMPS_NS;
 namespace {
 
 // Of the numbers in a restart file: raised whenever their layout changes.
-constexpr double restart_version = 5.0;
+constexpr double restart_version = 6.0;
 struct Kept {
   floe::Ledger ledger;
-  floe::SeabedLedger seabed;
+  floe::Forces::Ledger forces;
 };
 constexpr int kept_size = sizeof(Kept) / sizeof(double);
 // Of one element, how many they are included.
 constexpr int element_numbers = 1 + FixFloeIntegrate::own_numbers;
+// Numbers in front of the sums.
+constexpr int head = 4;
+
+// Of the names of all sums: another list of forces has another one. FNV-1a of 32 bits.
+double sums_mark() {
+  std::uint32_t mark = 2166136261u;
+  for (const std::string &name : floe::sum_names()) {
+    for (const char letter : name + " ") {
+      mark = (mark ^ static_cast<unsigned char>(letter)) * 16777619u;
+    }
+  }
+  return mark;
+}
 
 }  // namespace
 
 void FixFloeIntegrate::write_restart(FILE *file) {
   // A file written within a run: the steps changed the history since the elements took it along.
   if (pairs) pairs->keep_history();
-  const Kept kept{ledger, seabed_ledger};
+  const Kept kept{ledger, force_ledger};
   double own[kept_size];
   std::memcpy(own, &kept, sizeof kept);
-  std::vector<double> out{restart_version, elapsed_, first_kick ? 1.0 : 0.0};
-  const int head = static_cast<int>(out.size());
+  std::vector<double> out{restart_version, elapsed_, first_kick ? 1.0 : 0.0, sums_mark()};
   out.resize(head + kept_size);
   MPI_Allreduce(own, out.data() + head, kept_size, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me != 0) return;
@@ -52,14 +66,17 @@ void FixFloeIntegrate::restart(char *buf) {
   if (in[0] != restart_version) {
     error->all(FLERR, "Fix floe/integrate: another version wrote the restart file");
   }
+  if (in[head - 1] != sums_mark()) {
+    error->all(FLERR, "Fix floe/integrate: a plugin with other forces wrote the restart file");
+  }
   elapsed_ = in[1];
   known_ = true;
   first_kick = in[2] != 0.0;
   // The sums of all ranks go on with the first.
   Kept kept{};
-  if (comm->me == 0) std::memcpy(static_cast<void *>(&kept), in + 3, sizeof kept);
+  if (comm->me == 0) std::memcpy(static_cast<void *>(&kept), in + head, sizeof kept);
   ledger = kept.ledger;
-  seabed_ledger = kept.seabed;
+  force_ledger = kept.forces;
 }
 
 int FixFloeIntegrate::pack_restart(int i, double *buf) {

@@ -57,8 +57,8 @@ const std::vector<std::string> &sum_names() {
     std::istringstream words(std::string(ledger_names()) +
                              " elastic_bond elastic_contact bonds contacts max_overlap"
                              " kinetic rotational kinetic_now rotational_now momentum_x momentum_y"
-                             " elements elastic_wall work_wall wall_contacts " +
-                             seabed_names());
+                             " elements elastic_wall work_wall wall_contacts" +
+                             Forces::sum_names());
     std::vector<std::string> out;
     for (std::string word; words >> word;) out.push_back(word);
     return out;
@@ -90,7 +90,7 @@ std::vector<double> local_sums(LAMMPS *lmp) {
   append(pairs);
   append(moving);
   append(walls);
-  append(parts.fix->seabed_ledger);
+  append(parts.fix->force_ledger);
   return all;
 }
 

@@ -18,6 +18,7 @@ using LawKeywords = LawKeyword[law_keywords];
 
 template <typename... Laws>
 struct LawList {
+  static constexpr int count = sizeof...(Laws);
   // The law's place in the list, -1 where none has that name.
   static int number(const std::string &name) {
     int at = 0, found = -1;
@@ -56,6 +57,14 @@ struct LawList {
     return call(First{});
   }
 };
+
+// The LawList of a macro that names each of its laws: FLOE_LAW_LIST(FLOE_BOND_LAWS).
+template <typename, typename... Laws>
+struct ListBehind {
+  using type = LawList<Laws...>;
+};
+#define FLOE_LAW_COMMA(Law) , Law
+#define FLOE_LAW_LIST(LAWS) ListBehind<void LAWS(FLOE_LAW_COMMA)>::type
 
 }  // namespace floe
 

@@ -18,14 +18,8 @@
 
 namespace floe {
 
-template <typename, typename... Laws>
-struct ListBehind {
-  using type = LawList<Laws...>;
-};
-#define FLOE_LAW_COMMA(Law) , Law
-using BondLaws = ListBehind<void FLOE_BOND_LAWS(FLOE_LAW_COMMA)>::type;
-using ContactLaws = ListBehind<void FLOE_CONTACT_LAWS(FLOE_LAW_COMMA)>::type;
-#undef FLOE_LAW_COMMA
+using BondLaws = FLOE_LAW_LIST(FLOE_BOND_LAWS);
+using ContactLaws = FLOE_LAW_LIST(FLOE_CONTACT_LAWS);
 
 // By the law that the material names.
 inline ContactConstants constants_now(const ContactMaterial &m, const ContactConstants &c,

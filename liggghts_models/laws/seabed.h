@@ -15,12 +15,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "defaults.h"
 #include "drag.h"
+#include "ice_force.h"
 
 namespace floe {
 
 struct SeabedLaw {
-  bool use;
   double keel_ratio;  // k1: depth that a keel reaches over thickness at full cover
   double strength;    // k2, N/m3
   double creep;       // u0, m/s
@@ -77,6 +78,19 @@ inline DriftStep grounded_step(const DriftLaw &law, DriftInput in, double limit,
   }
   return out;
 }
+
+struct SeabedFriction : HoldForce {
+  static constexpr const char *name = "seabed";
+  static constexpr bool reads_depth = true;
+  static constexpr ForceKeywords keywords{{"keel_ratio", defaults::keel_ratio},
+                                          {"seabed_strength", defaults::seabed_strength, true},
+                                          {"seabed_creep", defaults::seabed_creep},
+                                          {"seabed_openness", defaults::seabed_openness, true}};
+  static double limit(const ForceValues &v, const ForceInput &at) {
+    return seabed_limit({v[0], v[1], v[2], v[3]}, at.thickness, at.cover, at.drift.area, at.depth);
+  }
+  static double creep(const ForceValues &v) { return v[2]; }
+};
 
 }  // namespace floe
 

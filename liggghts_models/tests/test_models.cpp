@@ -255,6 +255,38 @@ TEST_CASE("elements take what is theirs to another rank") {
   }
 }
 
+TEST_CASE("forces of the list: keywords turn them on, sums stand in their place and add up") {
+  std::vector<std::string> names;
+  std::istringstream words(floe_sum_names());
+  for (std::string word; words >> word;) names.push_back(word);
+  Session run("bonds no");
+  run.create(0.4);
+  const auto sums = [&] {
+    std::vector<double> own(names.size()), all(names.size());
+    REQUIRE(floe_sums(run.instance, own.data(), static_cast<int>(own.size())) == 0);
+    MPI_Allreduce(own.data(), all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM,
+                  MPI_COMM_WORLD);
+    std::map<std::string, double> out;
+    for (std::size_t k = 0; k < names.size(); ++k) out[names[k]] = all[k];
+    return out;
+  };
+  run.command("run 20 post no");
+  CHECK(sums().at("dissipation_seabed") == 0.0);
+  // 2 m of water: discs of 1 m and more touch the ground.
+  run.command("fix_modify motion seabed yes keel_ratio 8 seabed_creep 5e-5 depth 2");
+  const std::map<std::string, double> before = sums();
+  run.command("run 20 post no");
+  const std::map<std::string, double> after = sums();
+  const double lost = after.at("dissipation_seabed"), given = after.at("impulse_seabed_x");
+  CHECK(lost > 0.0);
+  CHECK(given < 0.0);
+  const double slower = after.at("momentum_x") - before.at("momentum_x");
+  CHECK(slower == doctest::Approx(given).epsilon(1e-9));
+  const double cooler = after.at("kinetic") - before.at("kinetic");
+  const double works = after.at("work_contact") - before.at("work_contact") - lost;
+  CHECK(cooler == doctest::Approx(works).epsilon(1e-9));
+}
+
 TEST_CASE("contacts with walls: what is put in comes out, and is packed and unpacked whole") {
   Session run("bonds no ridging yes contact_damping 0");
   run.create(0.0);

@@ -11,7 +11,7 @@ using namespace floe;
 namespace {
 
 constexpr double air = 1.3 * 1.2e-3, water = 1026.0 * 5.5e-3, ice_density = 917.0;
-constexpr SeabedLaw lemieux{true, 8.0, 15.0, 5.0e-5, 20.0};
+constexpr SeabedLaw lemieux{8.0, 15.0, 5.0e-5, 20.0};
 
 DriftLaw law(bool wind, bool ocean, bool coriolis = false, bool tilt = false, double angle = 0.0) {
   return {wind, false, ocean, coriolis, tilt, air, water, std::cos(angle), std::sin(angle)};

@@ -20,13 +20,15 @@ from support.ranks import read_tables, write_part
 
 def main(out: Path, steps: int, kind: str, start: Path | None) -> None:
     """Write elements, bonds, contacts and sums after some steps, and after as many more."""
-    walled = kind == "walls"
-    raft = lattice(20, 15)
+    walled = kind in ("walls", "few")
+    raft = lattice(20, 15) if kind != "few" else lattice(3, 1)
     random = np.random.default_rng(11)
     raft["thickness"] = random.uniform(0.5, 2.0, len(raft["id"]))
     raft["mass"] = raft["mass"] * raft["thickness"]
-    raft["type"][raft["y"] == 0] = 2
+    raft["type"][raft["y"] == 0] = 1 if kind == "few" else 2
     raft["u"] = np.where(raft["type"] == 2, 0.0, -3e-5 * raft["x"] + 0.4)
+    if kind == "few":  # against the wall at the left
+        raft["u"][:] = -0.4
     table = bonded(raft)
     coast = (raft["type"][table["id_lo"] - 1] == 2) & (raft["type"][table["id_hi"] - 1] == 2)
     state: list[Arrays | None] = [raft, {n: v[~coast] for n, v in table.items()}, None, None]

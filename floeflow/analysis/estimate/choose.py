@@ -14,7 +14,7 @@ from typing import Any
 
 from floeflow.analysis.estimate.conditions import Conditions, conditions
 from floeflow.analysis.estimate.cost import Coefficients, coefficients, cost_share
-from floeflow.analysis.estimate.dimensionless_numbers import NUMBERS, meaning
+from floeflow.analysis.estimate.dimensionless_numbers import meaning, number_value
 from floeflow.analysis.estimate.influence import Influence, influence
 from floeflow.core.errors import FloeError
 from floeflow.forcings.inputs import check_forcing_file
@@ -126,7 +126,7 @@ def estimate(
     rows = []
     for name in EFFECTS:
         found = influence(c, name, effects)
-        number = NUMBERS[name](c) if name in NUMBERS else math.nan
+        number = number_value(name, c)
         advice, reason = advise(name, found)
         rows.append(
             Estimate(

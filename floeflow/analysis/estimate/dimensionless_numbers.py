@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The dimensionless number of each effect: near or above 1 it matters, far below it does not.
 
-One function for each effect of the registry, under the effect's name. The first line of its
-docstring is what the documents and the tables say.
+Those that are a product or ratio of the scene's conditions stand in the entries of the registry
+(`floeflow.scene.effects`). Each of the others is a function here, under the effect's name. The
+first line of its docstring is what the documents and the tables say.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Callable
 
 from floeflow.analysis.estimate.conditions import Conditions
 from floeflow.core.constants import ICE_DENSITY, LATENT_FUSION, SNOW_DENSITY, ZERO_CELSIUS
+from floeflow.scene.effects import EFFECTS, ratio
 from floeflow.scene.physics import ColumnPhysics
 
 Number = Callable[[Conditions], float]
@@ -59,36 +61,31 @@ def meaning(name: str) -> str:
     name : str
         Of the effect.
     """
-    function = NUMBERS.get(name)
+    own, function = EFFECTS[name].number, NUMBERS.get(name)
+    if own is not None:
+        return own.meaning
     return (function.__doc__ or "").splitlines()[0].rstrip(".") if function else ""
 
 
-def _over(part: float, whole: float) -> float:
-    return part / whole if whole > 0 else (math.inf if part > 0 else 0.0)
-
-
-@number_of("wind")
-def wind(c: Conditions) -> float:
-    """N U_a / U_w: free drift by the wind over the current's speed.
+def number_value(name: str, c: Conditions) -> float:
+    """The dimensionless number of an effect under the conditions of a scene.
 
     Parameters
     ----------
+    name : str
+        Of the effect.
     c : Conditions
         Conditions of the scene.
+
+    Returns
+    -------
+    float
+        1; nan where the effect has none.
     """
-    return _over(c.nansen * c.wind, c.current)
-
-
-@number_of("ocean_drag")
-def ocean_drag(c: Conditions) -> float:
-    """T ρ_w C_w U / (ρ_i h): the run over the time in which the ocean's drag acts.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return c.seconds * c.drag_rate
+    own = EFFECTS[name].number
+    if own is not None:
+        return own.value(c)
+    return NUMBERS[name](c) if name in NUMBERS else math.nan
 
 
 @number_of("turning_angle")
@@ -101,42 +98,6 @@ def turning_angle(c: Conditions) -> float:
         Conditions of the scene.
     """
     return 2.0 * math.sin(0.5 * abs(c.turning_angle))
-
-
-@number_of("coriolis")
-def coriolis(c: Conditions) -> float:
-    """ρ_i h f / (ρ_w C_w U): Coriolis force over ocean drag.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return _over(abs(c.coriolis), c.drag_rate)
-
-
-@number_of("tilt")
-def tilt(c: Conditions) -> float:
-    """ρ_i h f U_w / τ_a: slope of the sea over wind stress.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return _over(c.mass * abs(c.coriolis) * c.current, c.wind_stress)
-
-
-@number_of("grounding")
-def grounding(c: Conditions) -> float:
-    """Share of the ice that the seabed can hold against the mean wind.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return c.grounded_share
 
 
 @number_of("friction")
@@ -162,7 +123,7 @@ def bonds(c: Conditions) -> float:
     """
     if c.concentration < c.bond_concentration:
         return 0.0
-    return _over(c.strength * c.tensile_share * c.thickness, c.wind_stress * c.fetch)
+    return ratio(c.strength * c.tensile_share * c.thickness, c.wind_stress * c.fetch)
 
 
 @number_of("coast")
@@ -186,7 +147,7 @@ def walls(c: Conditions) -> float:
     c : Conditions
         Conditions of the scene.
     """
-    return _over(c.slip * c.seconds, c.fetch)
+    return ratio(c.slip * c.seconds, c.fetch)
 
 
 @number_of("ridging")
@@ -239,7 +200,7 @@ def thermodynamics(c: Conditions) -> float:
     from floeflow.analysis.estimate.ice import run_ice
 
     grown = run_ice(c, frozenset({"thermodynamics"})).volume - c.thickness * c.concentration
-    return _over(abs(grown), c.thickness * c.concentration)
+    return ratio(abs(grown), c.thickness * c.concentration)
 
 
 @number_of("snow")
@@ -252,7 +213,7 @@ def snow(c: Conditions) -> float:
         Conditions of the scene.
     """
     fallen = c.snow + c.snowfall * c.seconds / SNOW_DENSITY
-    return _over(ICE_CONDUCTIVITY * fallen, SNOW_CONDUCTIVITY * c.thickness)
+    return ratio(ICE_CONDUCTIVITY * fallen, SNOW_CONDUCTIVITY * c.thickness)
 
 
 @number_of("shortwave")
@@ -264,7 +225,7 @@ def shortwave(c: Conditions) -> float:
     c : Conditions
         Conditions of the scene.
     """
-    return _over(ICE_ABSORPTION * c.shortwave_down * c.seconds, ICE_HEAT * c.thickness)
+    return ratio(ICE_ABSORPTION * c.shortwave_down * c.seconds, ICE_HEAT * c.thickness)
 
 
 @number_of("ponds")
@@ -278,7 +239,7 @@ def ponds(c: Conditions) -> float:
     """
     melted = 0.0 if c.air_temperature < ZERO_CELSIUS - 1.0 else shortwave(c) * c.thickness
     covered = min(0.3, melted)
-    return _over(covered * 0.4 * c.shortwave_down * c.seconds, ICE_HEAT * c.thickness)
+    return ratio(covered * 0.4 * c.shortwave_down * c.seconds, ICE_HEAT * c.thickness)
 
 
 def sea_uptake(c: Conditions) -> float:
@@ -350,7 +311,7 @@ def frazil(c: Conditions) -> float:
     from floeflow.analysis.estimate.ice import open_water_loss
 
     lost = max(0.0, open_water_loss(c)) * (1.0 - c.concentration) * c.seconds
-    return _over(lost, ICE_HEAT * c.thickness * max(c.concentration, 1e-6))
+    return ratio(lost, ICE_HEAT * c.thickness * max(c.concentration, 1e-6))
 
 
 @number_of("mixed_layer")
@@ -367,7 +328,7 @@ def mixed_layer(c: Conditions) -> float:
     start = c.concentration * c.thickness
     parts = frozenset({"thermodynamics", "snow", "shortwave", "frazil", "lateral_melt"})
     change = abs(run_ice(c, parts).volume - start)
-    return _over(sea_uptake(c) * c.seconds, ICE_HEAT * max(change, 0.01 * start))
+    return ratio(sea_uptake(c) * c.seconds, ICE_HEAT * max(change, 0.01 * start))
 
 
 @number_of("sea_relaxation")
@@ -380,111 +341,3 @@ def sea_relaxation(c: Conditions) -> float:
         Conditions of the scene.
     """
     return -math.expm1(-c.seconds / c.relaxation_time)
-
-
-@number_of("remap")
-def remap(c: Conditions) -> float:
-    """N |∇u_a| T: shear of the pack over the run; elements are distorted at 1.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return c.nansen * c.wind_gradient * c.seconds
-
-
-@number_of("merge")
-def merge(c: Conditions) -> float:
-    """ε: share of the area that closes, which makes elements too small.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return c.closing
-
-
-@number_of("rims")
-def rims(c: Conditions) -> float:
-    """U T / L: drift over the width of the ice, which is what reaches a side.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return _over(c.slip * c.seconds, c.fetch)
-
-
-@number_of("gates")
-def gates(c: Conditions) -> float:
-    """None: it changes no result; name it where ice that passes is to be counted.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return math.nan
-
-
-@number_of("periodic")
-def periodic(c: Conditions) -> float:
-    """None: it says what lies beyond the sides, which no estimate can tell.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return math.nan
-
-
-@number_of("grid_output")
-def grid_output(c: Conditions) -> float:
-    """None: it changes no result; name it where fields on a grid are wanted.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return math.nan
-
-
-@number_of("trajectory_output")
-def trajectory_output(c: Conditions) -> float:
-    """None: it changes no result; name it where paths are wanted.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return math.nan
-
-
-@number_of("internal_stress")
-def internal_stress(c: Conditions) -> float:
-    """None: it changes no result; name it where stresses in the ice are wanted.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return math.nan
-
-
-@number_of("ice_age")
-def ice_age(c: Conditions) -> float:
-    """None: it changes no result; name it where the age of the ice is wanted.
-
-    Parameters
-    ----------
-    c : Conditions
-        Conditions of the scene.
-    """
-    return math.nan

@@ -79,6 +79,12 @@ def heat_to_ice(
         s.
     p : Physics
         Constants.
+
+    Returns
+    -------
+    bottom, side : float
+        Heat flux into the bottom, W/m2 of ice, not negative, and the share of the ice's area (0..1)
+        that the step melts from its sides; both 0 where the sea is about to freeze.
     """
     if potential >= 0.0:
         return 0.0, 0.0

@@ -41,6 +41,11 @@ def heat_capacity(params: ColumnParams) -> float:
     ----------
     params : ColumnParams
         Depth (m), density (kg/m3) and heat capacity (J/kg/K) of the mixed layer.
+
+    Returns
+    -------
+    float
+        J/m2/K.
     """
     return OCEAN.heat_water * OCEAN.water_density * params.mixed_layer_depth
 
@@ -84,6 +89,12 @@ def heat_to_ice(
         s.
     params : ColumnParams
         Constants.
+
+    Returns
+    -------
+    bottom, side : ndarray
+        Heat flux into the bottom, W/m2 of ice, and the share of the ice (0..1) that the step melts
+        from its sides, (n,) each.
     """
     warmer = np.maximum(sea.temperature - params.freezing_temperature, 0.0)
     most = np.minimum(warmer * heat_capacity(params) / dt, OCEAN.largest_potential)
@@ -150,6 +161,11 @@ def chill(sea: Sea, energy: Array, capacity: float, freezing: float) -> Sea:
         `heat_capacity` (J/m2/K).
     freezing : float
         Freezing point (K).
+
+    Returns
+    -------
+    Sea
+        Not below the freezing point; what was lacking is added to its pending freeze (J/m2).
     """
     temperature = sea.temperature - energy / capacity
     lacking = np.where(energy > 0.0, np.maximum(freezing - temperature, 0.0), 0.0)

@@ -50,6 +50,11 @@ def flushing(
         s.
     p : Physics
         Constants.
+
+    Returns
+    -------
+    float
+        m/s; 0 without ponds, and bounded by a share of the brine that a layer holds.
     """
     if depth * area <= 0.0:
         return 0.0

@@ -81,6 +81,11 @@ def absorb(
         Number of snow layers.
     p : Physics
         Constants.
+
+    Returns
+    -------
+    surface, through : float
+        Absorbed at the surface, and passed to the ocean, W/m2 of ice.
     """
     source[:] = 0.0
     if visible + infrared <= 0.0:

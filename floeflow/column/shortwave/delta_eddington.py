@@ -185,6 +185,12 @@ def absorb_scattered(
         s.
     p : Physics
         Constants.
+
+    Returns
+    -------
+    surface, through : float
+        Absorbed at the surface, and passed to the ocean, W/m2 of ice: means over its bare, snowy
+        and ponded parts.
     """
     w.source[:] = 0.0
     first = c.snow_enthalpy.shape[1]
@@ -383,6 +389,11 @@ def shine_band(
         Work arrays; what layers and interfaces reflect and transmit is written.
     p : Physics
         Constants.
+
+    Returns
+    -------
+    int
+        Index from the top, 0 or more; properties of layers below it are not written.
     """
     kind, ice, snow, pond = surface.kind, surface.ice, surface.snow, surface.pond
     start = first + 1 if kind == BARE else 0

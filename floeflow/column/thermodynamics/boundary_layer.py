@@ -76,6 +76,11 @@ def transfer(temperature: float, air: Air, sea: bool, p: Physics) -> tuple[float
         Open water, else ice or snow.
     p : Physics
         Constants.
+
+    Returns
+    -------
+    sensible, latent : float
+        W/m2 for each K, and W/m2 for each kg/kg, by which the air differs from the surface.
     """
     wind = max(p.least_wind, air.wind)
     if sea:

@@ -31,6 +31,11 @@ def permeability(liquid: float) -> float:
     ----------
     liquid : float
         Liquid fraction of the mush (1).
+
+    Returns
+    -------
+    float
+        m2; 0 below a liquid fraction of 0.05, where pores are not connected.
     """
     return 3e-8 * max(liquid - 0.05, 0.0) ** 3
 

@@ -29,6 +29,11 @@ def brine_salinity(temperature: float) -> float:
     ----------
     temperature : float
         Of the ice (degC).
+
+    Returns
+    -------
+    float
+        1e-3; 0 above 0 degC.
     """
     if temperature > 0.0:
         return 0.0
@@ -46,6 +51,11 @@ def liquidus(salinity: float) -> float:
     ----------
     salinity : float
         Of the brine (1e-3).
+
+    Returns
+    -------
+    float
+        degC.
     """
     warm = salinity <= MEETING_SALINITY
     slope = WARM_SLOPE if warm else COLD_SLOPE
@@ -80,6 +90,11 @@ def brine_density(salinity: float) -> float:
     ----------
     salinity : float
         Of the brine (1e-3).
+
+    Returns
+    -------
+    float
+        kg/m3.
     """
     return 1000.3 + 0.78237 * salinity + 2.8008e-4 * salinity**2
 

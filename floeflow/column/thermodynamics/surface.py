@@ -88,6 +88,12 @@ def surface_fluxes(
         Vapour rises from ice or snow and takes the heat of sublimation, else from water.
     params : ColumnParams
         Constants.
+
+    Returns
+    -------
+    SurfaceFluxes
+        Net flux into the surface (W/m2), its slope over the surface's temperature (W/m2/K) and the
+        vapour that leaves it (kg/m2/s), (n, ncat) each.
     """
     air = forcing.air_temperature[:, None]
     pressure = forcing.air_pressure[:, None]
@@ -122,6 +128,11 @@ def ice_albedo(thickness: Array, snow: Array, temperature: Array, params: Column
         surface warms would make its balance ambiguous.
     params : ColumnParams
         Constants.
+
+    Returns
+    -------
+    ndarray
+        1, of the shape of the arguments.
     """
     cold = (params.melting_temperature - temperature) / params.albedo_ramp
     cold = np.clip(cold, 0.0, 1.0)

@@ -89,6 +89,15 @@ def step_with_sea(
     params : ColumnParams
         Constants.
 
+    Returns
+    -------
+    state : ColumnState
+        Columns at the end, (n, ncat).
+    sea : Sea or None
+        Mixed layer at the end, (n,); None where none was given.
+    fluxes : ColumnFluxes
+        Budget terms of the step, over the element's area, (n,) each.
+
     Raises
     ------
     FloeError

@@ -38,6 +38,11 @@ def category_bounds(categories: int) -> NDArray[np.float64]:
     ----------
     categories : int
         Their number.
+
+    Returns
+    -------
+    ndarray
+        m, ascending, (categories + 1,).
     """
     if categories == 1:
         return np.array([0.1, 999.9])
@@ -98,6 +103,11 @@ def shifted_bounds(c: Column, before: np.ndarray, bounds: np.ndarray, moved: np.
         Thickness before (m), zero where there was no ice, (ncat,).
     bounds, moved : ndarray
         Fixed bounds, and shifted ones, written (m), (ncat + 1,).
+
+    Returns
+    -------
+    bool
+        False where ice would leave a neighbouring category behind: `moved` is of no use then.
     """
     last = c.area.size
     moved[0] = bounds[0]
@@ -238,6 +248,11 @@ def remap(c: Column, before: np.ndarray, bounds: np.ndarray, s: Scratch, p: Phys
         Work arrays.
     p : Physics
         Constants.
+
+    Returns
+    -------
+    bool
+        False where shifted bounds cross: the column is as it was then.
     """
     if not shifted_bounds(c, before, bounds, s.moved):
         return False

@@ -99,6 +99,11 @@ def thicknesses(state: ColumnState) -> Array:
     ----------
     state : ColumnState
         n elements of ncat categories.
+
+    Returns
+    -------
+    ndarray
+        m, (n, ncat).
     """
     exists = state.ice_fraction > 0.0
     return np.where(exists, state.ice_volume / np.where(exists, state.ice_fraction, 1.0), 0.0)
@@ -121,6 +126,13 @@ def remap_categories(
         Of the categories (m), (ncat + 1,).
     params : ColumnParams
         Constants.
+
+    Returns
+    -------
+    state : ColumnState
+        Ice in the categories that its thickness belongs to, (n, ncat).
+    fluxes : ColumnFluxes
+        Of the step, with what traces of ice took from the sea.
     """
     shape = (*state.ice_fraction.shape, 1)
     columns = Column(

@@ -66,6 +66,11 @@ def open_raw(path: str | Path) -> xr.Dataset:
     path : str or Path
         File or folder (a Zarr store).
 
+    Returns
+    -------
+    xarray.Dataset
+        Numbers as stored, with CF attributes that say what they mean.
+
     Raises
     ------
     FloeError

@@ -19,6 +19,11 @@ def opens(path: Path) -> bool:
     ----------
     path : Path
         The file.
+
+    Returns
+    -------
+    bool
+        True if this reader takes the file.
     """
     return path.is_file() and path.suffix.lower() in (".tif", ".tiff", ".geotiff")
 
@@ -30,6 +35,11 @@ def open_raw(path: Path) -> xr.Dataset:
     ----------
     path : Path
         The file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Numbers as stored, with CF attributes that say what they mean.
 
     Raises
     ------
@@ -78,6 +88,11 @@ def raster(
         Width of a pixel and left edge, height (negative where rows run down) and upper edge.
     wkt : str
         Coordinate system; empty where it is not told.
+
+    Returns
+    -------
+    xarray.Dataset
+        Bands over y and x, in the raster's order of rows, and its projection in ``crs``.
     """
     dx, left, dy, top = place
     rows, columns = next(iter(bands.values())).shape

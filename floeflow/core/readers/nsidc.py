@@ -34,6 +34,11 @@ def opens(path: Path) -> bool:
     ----------
     path : Path
         The file.
+
+    Returns
+    -------
+    bool
+        True if this reader takes the file.
     """
     if not path.is_file() or path.suffix.lower() != ".bin":
         return False
@@ -52,6 +57,11 @@ def open_raw(path: Path) -> xr.Dataset:
     ----------
     path : Path
         The file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Numbers as stored, with CF attributes that say what they mean.
 
     Raises
     ------

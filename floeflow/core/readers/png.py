@@ -21,6 +21,11 @@ def opens(path: Path) -> bool:
     ----------
     path : Path
         The file.
+
+    Returns
+    -------
+    bool
+        True if this reader takes the file.
     """
     return path.is_file() and path.suffix.lower() == ".png"
 
@@ -32,6 +37,11 @@ def open_raw(path: Path) -> xr.Dataset:
     ----------
     path : Path
         The file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Numbers as stored, with CF attributes that say what they mean.
 
     Raises
     ------

@@ -19,6 +19,11 @@ def opens(path: Path) -> bool:
     ----------
     path : Path
         The folder or zip file.
+
+    Returns
+    -------
+    bool
+        True if this reader takes the file.
     """
     if path.is_dir():
         return any((path / mark).is_file() for mark in MARKS)
@@ -32,6 +37,11 @@ def open_raw(path: Path) -> xr.Dataset:
     ----------
     path : Path
         The folder or zip file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Numbers as stored, with CF attributes that say what they mean.
 
     Raises
     ------

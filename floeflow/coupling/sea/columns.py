@@ -94,6 +94,12 @@ def float_columns(
         x, y (m) and area (m2) of the elements.
     nodes : tuple of ndarray
         x, y of the grid's cells (m), (cells,) each.
+
+    Returns
+    -------
+    Afloat
+        Columns, salinity (1e-3), area (m2) and places (m), those of the elements first; rows of the
+        cells whose open water follows.
     """
     settings = water.settings
     left = shares.open_area
@@ -126,6 +132,13 @@ def give_back(
         Columns at the end.
     terms : dict of ndarray
         Their terms, per m2: ``water_ocean`` and ``salt_ocean`` (kg/m2) are read.
+
+    Returns
+    -------
+    water : Water
+        Heat (J/m2) and salinity (1e-3) of the layer, (cells,).
+    terms : dict of float
+        Energy (J) and salt (kg) by name; they add up to the change of the sea's.
     """
     capacity, n = water.capacity, len(afloat.area) - len(afloat.cells)
 

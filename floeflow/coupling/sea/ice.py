@@ -99,6 +99,11 @@ def returned_ice(
         For which they stand (m2), (n,).
     fresh : bool
         It had frozen in open water in the same window.
+
+    Returns
+    -------
+    Returned
+        Volume (m3) and area (m2) of ice at each place, (k,).
     """
     volume, cover = (area * columns[f"ice_{each}"].sum(axis=1) for each in ("volume", "fraction"))
     return Returned(*places, volume, cover, np.full(len(area), fresh))
@@ -111,6 +116,11 @@ def join_returned(parts: Sequence[Returned]) -> Returned:
     ----------
     parts : sequence of Returned
         Of several elements or ranks.
+
+    Returns
+    -------
+    Returned
+        In the order of the parts.
     """
     names = [field.name for field in fields(Returned)]
     return Returned(*(np.concatenate([getattr(each, name) for each in parts]) for name in names))
@@ -184,6 +194,11 @@ def with_elements(state: xr.Dataset, keep: Index, new: Mapping[str, Array]) -> x
     new : mapping
         Element variables of the new ones, without ids (given after the highest); what they lack is
         zero. They stand apart from all others.
+
+    Returns
+    -------
+    xarray.Dataset
+        Those kept, then the new ones, sorted by id.
     """
     old = element_values(state, keep)
     count = len(new["x"])

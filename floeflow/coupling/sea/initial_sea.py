@@ -31,6 +31,12 @@ def first_sea(
         Mask on the mask grid; its ``sst`` (K) and ``sss`` (1e-3) are read where they are there.
     settings : Settings
         Of the columns.
+
+    Returns
+    -------
+    dict of (tuple of str, ndarray)
+        Dimensions and values by name: temperature (K), pending freeze (J/m2), salinities (1e-3),
+        (sea_y, sea_x) each.
     """
     everywhere = np.ones(mask["land"].shape)
     salinity = np.full(places.area.shape, settings.ocean_salinity)

@@ -62,6 +62,12 @@ def sea_places(mask: xr.Dataset, x: Array, y: Array) -> SeaPlaces:
         land and cell_area (m2) on the mask grid.
     x, y : ndarray
         Nodes of the scene's grid (m).
+
+    Returns
+    -------
+    SeaPlaces
+        Area of sea in each cell (m2), the places at sea (m), their cells, distance from the shore,
+        concentration (1), thickness (m), and the cells' pulls (1).
     """
     grid = Grid(x, y)
     across, up = np.meshgrid(mask["x"].values, mask["y"].values)

@@ -40,6 +40,11 @@ def sea_path(scene: Scene) -> Path:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    Path
+        That of ``sea.file``, else that of ``mask.file``.
     """
     return Path(scene.sea.file or scene.mask.file)
 
@@ -51,6 +56,11 @@ def sea_hints(scene: Scene) -> Hints:
     ----------
     scene : Scene
         Its keys.
+
+    Returns
+    -------
+    Hints
+        Without a projection where the sea has a file of its own.
     """
     return Hints("mask", "" if scene.sea.file else scene.mask.crs)
 
@@ -70,6 +80,11 @@ def find_sea(
         By the names of the forcing.
     key : str
         Key of the block that names the variable.
+
+    Returns
+    -------
+    Variable or None
+        None where the file has none and the scene names none.
 
     Raises
     ------
@@ -107,6 +122,11 @@ def sea_fields(
         Degrees, (rows, columns).
     lat : ndarray
         Degrees, (rows, columns).
+
+    Returns
+    -------
+    dict
+        Dimensions, values (rows, columns) and attributes by name.
 
     Raises
     ------
@@ -152,6 +172,11 @@ def units_of(variable: cf.Variable, si: str, path: Path) -> tuple[float, float]:
     path : Path
         Of the file, for messages.
 
+    Returns
+    -------
+    factor, offset : float
+        SI value = factor times stored value, plus offset.
+
     Raises
     ------
     FloeError
@@ -195,6 +220,11 @@ def with_sea(scene: Scene, mask: xr.Dataset) -> xr.Dataset:
         Grid and block ``sea``.
     mask : xarray.Dataset
         On that grid.
+
+    Returns
+    -------
+    xarray.Dataset
+        The mask with ``sst`` (K) and ``sss`` (1e-3) on its grid, as far as the file has them.
 
     Raises
     ------

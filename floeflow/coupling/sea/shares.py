@@ -61,6 +61,11 @@ class Shares:
         ----------
         field : ndarray
             (cells,), in any unit.
+
+        Returns
+        -------
+        ndarray
+            In the field's unit, (n,).
         """
         return np.asarray(self.matrix @ field)
 
@@ -74,6 +79,11 @@ class Shares:
         ----------
         stock : ndarray
             Per m2 of sea, (cells,).
+
+        Returns
+        -------
+        ndarray
+            In the stock's unit, per m2 of the element's area, (n,).
         """
         crowded = np.maximum(self.claimed, self.sea)
         part = np.divide(self.sea, crowded, out=np.ones_like(crowded), where=crowded > 0.0)
@@ -86,6 +96,11 @@ class Shares:
         ----------
         amount : ndarray
             (n,), in any unit.
+
+        Returns
+        -------
+        ndarray
+            In the unit of the amounts, (cells,).
         """
         return np.asarray(self.matrix.T @ amount)
 
@@ -103,6 +118,11 @@ def balanced_pull(x: Array, y: Array, area: Array, grid: Grid) -> Array:
         Centres (m) and areas (m2) of pieces that make up the sea, smaller than a cell, (m,).
     grid : Grid
         The scene's grid.
+
+    Returns
+    -------
+    ndarray
+        1, (cells,); 0 in cells without sea.
     """
     sea = np.bincount(grid.cell_of(x, y), area, grid.shape[0] * grid.shape[1]).astype(np.float64)
     if not len(x):
@@ -134,6 +154,12 @@ def build_shares(
         Area of sea in its cells (m2), (ny, nx); some of it above zero.
     pull : ndarray, optional
         Of the cells, (cells,), as of `balanced_pull`; otherwise in proportion to their sea.
+
+    Returns
+    -------
+    Shares
+        Matrix (n, cells) whose rows add up to 1, area of sea and area that the elements claim in
+        each cell (m2).
     """
     water = sea.ravel()
     if not len(x):

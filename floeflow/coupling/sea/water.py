@@ -86,6 +86,11 @@ def heat_capacity(settings: Settings) -> float:
     ----------
     settings : Settings
         What the column is asked for.
+
+    Returns
+    -------
+    float
+        J/m2/K.
     """
     return OCEAN.heat_water * OCEAN.water_density * settings.mixed_layer_depth
 
@@ -147,6 +152,11 @@ def read_water(state: xr.Dataset, area: Array, settings: Settings) -> Water:
         Sea in the cells (m2), (ny, nx).
     settings : Settings
         Of the columns.
+
+    Returns
+    -------
+    Water
+        Heat (J/m2) above water at 0 degC, salinities (1e-3) and area (m2), (cells,) each.
     """
     temperature, pending, salinity, deep = (
         state[name].values.ravel()

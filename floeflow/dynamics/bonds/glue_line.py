@@ -108,6 +108,11 @@ def healed(bonds: Arrays, elements: Arrays, left: np.ndarray) -> Arrays:
     left : ndarray, shape (m,)
         Share of both cracks that is left, 0..1. What is shorter than `SHORTEST` is closed; bonds
         whose cracks stay as they are keep their bits.
+
+    Returns
+    -------
+    dict of ndarray
+        Bond table (m,) in the same order; cracks shorter, anchors and lengths moved with them.
     """
     names = ("crack_a", "crack_b")
     cracks = {name: left * bonds[name] for name in names}

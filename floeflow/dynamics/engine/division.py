@@ -126,6 +126,11 @@ def busiest(table: np.ndarray, box: Edges, cuts: list[np.ndarray], halo: float) 
         As for `choose_division`.
     cuts : list of ndarray
         Along x and y (m).
+
+    Returns
+    -------
+    float
+        Work in the unit of the table; a rank with nothing has 0.
     """
 
     def within(rim: float) -> np.ndarray:

@@ -33,6 +33,11 @@ def stored_energy(sums: Mapping[str, float]) -> float:
     ----------
     sums : mapping of float
         By name (J, kg m/s).
+
+    Returns
+    -------
+    float
+        J, at the time of the positions.
     """
     return sum(sums[name] for name in STORES)
 
@@ -44,6 +49,11 @@ def external_work(sums: Mapping[str, float]) -> float:
     ----------
     sums : mapping of float
         By name (J, kg m/s).
+
+    Returns
+    -------
+    float
+        J, positive where it was done on the ice.
     """
     return sum(value for name, value in sums.items() if is_external(name))
 
@@ -55,6 +65,11 @@ def is_external(name: str) -> bool:
     ----------
     name : str
         Of the sum.
+
+    Returns
+    -------
+    bool
+        True for each ``work_`` but that of contacts and of torques.
     """
     return name.startswith("work_") and name not in INTERNAL
 
@@ -66,6 +81,11 @@ def lost_energy(sums: Mapping[str, float]) -> float:
     ----------
     sums : mapping of float
         By name (J, kg m/s).
+
+    Returns
+    -------
+    float
+        J, positive where the ice has lost it.
     """
     return sum(value for name, value in sums.items() if name.startswith("dissipation_"))
 

@@ -13,6 +13,11 @@ def log_tail(log: Path) -> str:
     ----------
     log : Path
         LIGGGHTS' log.
+
+    Returns
+    -------
+    str
+        Begins with a line break and the log's name.
     """
     try:
         tail = log.read_text(errors="replace").splitlines()[-5:]
@@ -28,6 +33,11 @@ def open_fault(log: Path) -> str | None:
     ----------
     log : Path
         LIGGGHTS' log.
+
+    Returns
+    -------
+    str or None
+        The operating system's reason.
     """
     try:
         log.open("a").close()

@@ -224,6 +224,11 @@ class EngineParams:
         ----------
         reach : float
             Distance up to which neighbours are kept (m).
+
+        Returns
+        -------
+        str
+            One line; angles in degrees, everything else in SI units.
         """
         strength = (
             "kovacs_sodhi" if self.strength == "kovacs_sodhi" else repr(self.compressive_strength)
@@ -302,6 +307,14 @@ class Forcing:
         ----------
         needed : tuple of str
             Names of the fields that the switches read.
+
+        Returns
+        -------
+        velocities : ndarray
+            wind_u, wind_v, ocean_u and ocean_v (m/s), (nt, ny, nx, 4); 0 where a field is not
+            needed.
+        steady : dict of ndarray
+            Fields of `STEADY` by name, (ny, nx); coriolis is always there.
 
         Raises
         ------

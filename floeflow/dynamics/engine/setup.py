@@ -60,6 +60,12 @@ def box_of(elements: Arrays, params: EngineParams, reach: float) -> Box:
     ----------
     elements, params, reach
         As for `setup_commands`.
+
+    Returns
+    -------
+    Box
+        Bounds along x and y, skin and margin (m): all elements lie inside by the margin; along a
+        periodic axis the bounds are those of the period.
     """
     skin = params.skin if params.skin is not None else choose_skin(elements, params)
     margin = 2.0 * float(elements["radius"].max()) * reach + skin
@@ -90,6 +96,11 @@ def setup_commands(
         Neighbours are kept up to this multiple of the sum of radii.
     division : str
         The command that says how many ranks lie along each axis.
+
+    Returns
+    -------
+    list of str
+        In their order.
     """
     box = box_of(elements, params, reach)
     plane: tuple[str, ...] = PLANE
@@ -186,6 +197,11 @@ def bond_reach(elements: Arrays, bonds: Arrays, params: EngineParams) -> float:
         Bond table.
     params : EngineParams
         Parameters of the engine.
+
+    Returns
+    -------
+    float
+        1 or more; 1 without bonds.
 
     Raises
     ------

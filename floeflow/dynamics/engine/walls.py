@@ -94,6 +94,11 @@ def count_walls(faces: Arrays) -> int:
     ----------
     faces : Arrays
         Table of faces.
+
+    Returns
+    -------
+    int
+        0 without faces.
     """
     return int(faces["wall"].max(initial=-1)) + 1
 

@@ -45,6 +45,11 @@ def merge_targets(state: xr.Dataset, share: float) -> Index:
     share : float
         Elements with a radius under this share of the mean of the mobile ones are too small.
         Each joins its neighbour of the largest area, if that is larger than its own.
+
+    Returns
+    -------
+    ndarray
+        Rows of integers, (n,); no row leads to one that itself joins another.
     """
     radius, area = state["radius"].values, state["area"].values
     mobile = np.flatnonzero(state["type"].values == MOBILE)
@@ -72,6 +77,11 @@ def into_roots(into: Index) -> Index:
     ----------
     into : ndarray
         Row of the element that each joins, its own where it stays, (n,).
+
+    Returns
+    -------
+    ndarray
+        Rows of elements that stay, (n,).
     """
     while not np.array_equal(into, into[into]):
         into = into[into]

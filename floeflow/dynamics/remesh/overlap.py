@@ -135,6 +135,11 @@ def convex(start: Index, corner: Array) -> NDArray[np.bool_]:
     ----------
     start, corner : ndarray
         Starts (n + 1,) and corners (m), (c, 2); each ring has three corners or more.
+
+    Returns
+    -------
+    ndarray
+        Of bool, one a ring, (n,).
     """
     row = np.arange(len(corner))
     first, last = (np.repeat(each, np.diff(start)) for each in (start[:-1], start[1:] - 1))
@@ -193,6 +198,11 @@ def make_pieces(
         Effective areas of the chosen (m2), (len(chosen),).
     targets : int
         Number of cells.
+
+    Returns
+    -------
+    Pieces
+        Of the chosen elements, whose areas (m2) add up to what is given.
     """
     source, target, shared, centre = pairs
     keep = np.isin(source, chosen)

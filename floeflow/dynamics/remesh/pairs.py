@@ -170,6 +170,11 @@ def best(share: Array, amount: Array, total: float, least: float) -> Flags:
         Of the amounts; one that would go beyond it is left out, and all that follow.
     least : float
         Smaller shares are not chosen.
+
+    Returns
+    -------
+    ndarray
+        Of bool, (k,).
     """
     order = np.argsort(-share, kind="stable")
     fits = np.cumsum(amount[order]) <= total * (1.0 + ROUND_OFF)
@@ -261,6 +266,11 @@ def coast_bonds(
         Bonds of old elements to the coast.
     coast : dict of ndarray, shape (c,)
         id (ascending), x, y, theta and radius of the coast elements.
+
+    Returns
+    -------
+    dict of ndarray
+        Bond table, sorted by ids; cracked by the share of the parts' sides that was not bonded.
     """
     ashore = np.isin(bonds["id_lo"], coast["id"])
     land = element_rows(coast["id"], np.where(ashore, bonds["id_lo"], bonds["id_hi"]))
@@ -322,6 +332,12 @@ def fresh_contacts(
         Contacts of the old elements, with ridging's columns.
     bonded : ndarray
         Sides (k,) of the cells whose elements are bonded.
+
+    Returns
+    -------
+    dict of ndarray
+        Contact table, sorted by ids, with ridging's columns and, where the old one has it, the time
+        in touch (s).
     """
     old, share = ancestry.old, ancestry.share
     count = len(old["id"])

@@ -83,6 +83,11 @@ def lay(state: xr.Dataset, cells: Cells) -> Laid:
         A state with outlines (effect ``remap``).
     cells : Cells
         The fresh cells.
+
+    Returns
+    -------
+    Laid
+        Rows on the cells, rows beside them, and the pieces (m2) that both share.
     """
     mobile = np.flatnonzero((state["type"].values == MOBILE) & (state["area"].values > 0))
     place = np.stack([state["x"].values, state["y"].values], axis=1)[mobile]

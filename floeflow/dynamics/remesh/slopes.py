@@ -112,6 +112,12 @@ def make_stencil(centre: Array) -> Stencil:
     ----------
     centre : ndarray
         m, (n, 2).
+
+    Returns
+    -------
+    Stencil
+        Rows of the neighbours, the way to them (m) and weights (1/m2), (n, k) each; k is smaller
+        where there are few elements.
     """
     count = min(NEIGHBOURS + 1, len(centre))
     row = cKDTree(centre).query(centre, k=count)[1].reshape(len(centre), count)[:, 1:]

@@ -71,6 +71,11 @@ def put_together(state: xr.Dataset, elements: Arrays, corners: Array | None) -> 
         All its element variables.
     corners : ndarray or None
         Corners of the outlines (m), (c, 2), in the elements' order; None: it has no outlines.
+
+    Returns
+    -------
+    xarray.Dataset
+        With the sea and the attributes of the given one.
     """
     order = np.argsort(elements["id"], kind="stable")
     data = {}
@@ -120,6 +125,11 @@ def joined_pairs(tables: list[Arrays]) -> Arrays:
     ----------
     tables : list of Arrays
         Bond or contact tables.
+
+    Returns
+    -------
+    dict of ndarray
+        One table with all rows, by the lower, then the higher id.
     """
     joined = {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
     order = np.lexsort((joined["id_hi"], joined["id_lo"]))
@@ -166,6 +176,11 @@ def with_walls(state: xr.Dataset, before: xr.Dataset, names: Index | None) -> xr
         State with other elements than before; both at the same time.
     names : ndarray or None
         Id that each element of ``before`` goes by now, (n,); None: all contacts begin anew.
+
+    Returns
+    -------
+    xarray.Dataset
+        The state itself where it had no walls.
     """
     if "wall_contact_id" not in before:
         return state

@@ -69,6 +69,11 @@ def is_share(rule: Variable) -> bool:
     ----------
     rule : Variable
         Of the state's schema.
+
+    Returns
+    -------
+    bool
+        True for variables over categories that are a property of the area.
     """
     return rule.of == "area" and "category" in rule.dims
 
@@ -88,6 +93,12 @@ def amounts(values: Mapping[str, Array], rules: Rules = VARIABLES) -> dict[str, 
         Element variables by name, (n, ...).
     rules : mapping
         The schema.
+
+    Returns
+    -------
+    dict of ndarray
+        By name, (n, ...): the variable times what it is a property of, in the product of both
+        units; the mass (kg) under `MASS` where a variable is a property of it.
     """
     found: dict[str, Array] = {}
     for name in sequence(set(values), rules):
@@ -106,6 +117,11 @@ def mass(found: Mapping[str, Array]) -> Array:
     ----------
     found : mapping of ndarray
         Ice and snow (m3) by element, (n, ncat) each.
+
+    Returns
+    -------
+    ndarray
+        kg, (n,).
     """
     parts = [
         density * found[name].sum(axis=1) for name, density in MASS_OF.items() if name in found
@@ -255,6 +271,11 @@ def values_of(
         Values where there is nothing to be a property of, (m, ...).
     rules : mapping
         The schema.
+
+    Returns
+    -------
+    dict of ndarray
+        By name, in the schema's units and within its bounds, (m, ...).
     """
     out = {"area": area}
     for name, amount in arrived.items():

@@ -41,6 +41,12 @@ def centre_shifts(
         Area that each element gave, m2, (n,).
     time : float
         At which walls are where they are, s.
+
+    Returns
+    -------
+    ndarray
+        Along x and y (m), (n, 2); no longer than the share `MOST` of the radius, and 0 for what
+        would come ashore.
     """
     count = len(before["id"])
     area, moment = np.zeros(count), np.zeros((count, 2))

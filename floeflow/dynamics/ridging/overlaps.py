@@ -31,6 +31,13 @@ def overlapping_pairs(
     period : Period, optional
         Along which axes the domain repeats itself.
 
+    Returns
+    -------
+    lo, hi : ndarray
+        Rows of the two, lo < hi, (m,) each.
+    overlap : ndarray
+        m, positive, (m,).
+
     Raises
     ------
     FloeError

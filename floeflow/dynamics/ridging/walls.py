@@ -38,6 +38,12 @@ def wall_overlaps(state: xr.Dataset, before: Arrays, after: Arrays, time: float)
         Elements before and after they lost area to ridges.
     time : float
         At which the walls are where they are, s.
+
+    Returns
+    -------
+    WallOverlaps
+        Row of the element, distance of its centre from the wall (m), elastic overlap (m) and the
+        factor by which the overlap shrank with the thickness, one for each contact.
     """
     contacts, faces = (pair_arrays(state, f"wall_{kind}") for kind in ("contact", "face"))
     row = element_rows(before["id"], contacts["id"])

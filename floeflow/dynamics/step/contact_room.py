@@ -124,6 +124,11 @@ def contact_room(elements: Arrays, params: EngineParams, way: float = np.inf) ->
     way : float
         By how much two elements may come nearer to each other, m: only those whose discs are no
         further apart can meet. Infinite: any may meet any.
+
+    Returns
+    -------
+    Room
+        Sums over the contacts of each element by its mass, (n,) each; 0 for fixed elements.
     """
     if np.isfinite(way):
         sums = _rooms_near(elements, params, way)
@@ -274,6 +279,12 @@ def element_kinds(elements: Arrays) -> Kinds:
     ----------
     elements : Arrays
         Table of n elements, sorted by id.
+
+    Returns
+    -------
+    Kinds
+        Radii (m), thickness (m) and inverse mass (1/kg) of each class, sorted by radius, and the
+        class of each element, (n,).
     """
     inverse = np.where(np.asarray(elements["type"]) == FIXED, 0.0, 1.0 / elements["mass"])
     radius, thickness = (np.asarray(elements[name], float) for name in ("radius", "thickness"))

@@ -46,6 +46,11 @@ class Stiffness:
         ----------
         step : float
             s.
+
+        Returns
+        -------
+        ndarray
+            s, one for each degree of freedom (u, v, spin of each element), (3 n,).
         """
         return np.asarray(np.minimum(step * self.contact_damping, self.damped_per_step))
 
@@ -69,6 +74,11 @@ def pack_stiffness(
         Law parameters.
     way : float
         As for `contact_room`, m.
+
+    Returns
+    -------
+    Stiffness
+        By mass and moment of inertia: of springs 1/s2, of dashpots 1/s.
     """
     n = len(elements["id"])
     stiffness, damping = sp.csr_array((3 * n, 3 * n)), sp.csr_array((3 * n, 3 * n))

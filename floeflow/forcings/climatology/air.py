@@ -69,6 +69,11 @@ def air_temperature(lon: Array, lat: Array, days: Array, warm: Array) -> Array:
         Of the year, from 0, (times,).
     warm : ndarray
         0 where the sea is at its freezing point, 1 where it is open, (times, places).
+
+    Returns
+    -------
+    ndarray
+        K, (times, places).
     """
     found = station_field(lon, lat, tables.AIR_NORTH, tables.AIR_SOUTH, days) + ZERO_CELSIUS
     return np.asarray(found - (1.0 - warm) * np.maximum(found - MELTING_AIR, 0.0))
@@ -110,6 +115,11 @@ def cloud_cover(warm: Array, days: Array) -> Array:
         0 over ice, 1 over open sea, (times, places).
     days : ndarray
         Of the year, from 0, (times,).
+
+    Returns
+    -------
+    ndarray
+        0 to 1, (times, places).
     """
     pack, sea = (at_day(np.array(t), days) for t in (tables.CLOUD_PACK, tables.CLOUD_SEA))
     return np.asarray(pack[:, None] + warm * (sea - pack)[:, None])
@@ -176,6 +186,11 @@ def snowfall(temperature: Array, warm: Array, days: Array) -> Array:
         0 over ice, 1 over open sea, (times, places).
     days : ndarray
         Of the year, from 0, (times,).
+
+    Returns
+    -------
+    ndarray
+        kg/m2/s, (times, places).
     """
     rate = at_day(np.array(tables.RAIN_PACK, float), days)[:, None] / (30.4 * 86400.0)
     frozen = np.clip((RAIN_ABOVE - temperature) / (RAIN_ABOVE - SNOW_BELOW), 0.0, 1.0)

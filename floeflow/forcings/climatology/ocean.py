@@ -51,6 +51,11 @@ def sea_temperature(lon: Array, lat: Array, days: Array) -> Array:
         Degrees, (places,).
     days : ndarray
         Of the year, from 0, (times,).
+
+    Returns
+    -------
+    ndarray
+        K, (times, places).
     """
     found = station_field(lon, lat, tables.SEA_NORTH, tables.SEA_SOUTH, days) + ZERO_CELSIUS
     return np.maximum(found, COLDEST)
@@ -117,6 +122,11 @@ def open_all_year(lon: Array, lat: Array) -> Array:
         Degrees, (places,).
     lat : ndarray
         Degrees, (places,).
+
+    Returns
+    -------
+    ndarray
+        0 to 1, (places,).
     """
     above = sea_temperature(lon, lat, MIDDLES).min(axis=0) - COLDEST
     part = np.clip((above - EDGE[0]) / (EDGE[1] - EDGE[0]), 0.0, 1.0)
@@ -141,6 +151,11 @@ def heat_convergence(
         brings melts it, and no current takes that away.
     northern : bool
         Hemisphere.
+
+    Returns
+    -------
+    ndarray
+        W/m2, positive into the layer, of the shape of the temperatures.
     """
     stored = WATER_HEAT * depth * (tomorrow - sea) / 86400.0
     needed = np.clip(stored - surface_gain(sea, air), LEAST_HEAT, MOST_HEAT)
@@ -206,6 +221,11 @@ def currents(lon: Array, lat: Array) -> tuple[Array, Array]:
         Degrees, (places,).
     lat : ndarray
         Degrees, (places,).
+
+    Returns
+    -------
+    east, north : ndarray
+        m/s, (places,) each.
     """
     northern = bool(lat.mean() > 0)
     here, (east, north) = unit(lon, lat), east_north(lon, lat)

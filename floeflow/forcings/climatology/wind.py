@@ -124,6 +124,11 @@ def storms(seed: int, first: float, last: float, northern: bool, storminess: flo
         Whether those of the northern hemisphere are wanted, else of the southern.
     storminess : float
         Factor on their number (1).
+
+    Returns
+    -------
+    list of Storm
+        Each with its birth and life (days).
     """
     found = []
     begin = int(np.floor((first - LONGEST_LIFE) / BLOCK))
@@ -201,6 +206,13 @@ def pressure_and_wind(
         Of the storms.
     storminess : float
         Factor of their number.
+
+    Returns
+    -------
+    pressure : ndarray
+        Pa, (times, places).
+    east, north : ndarray
+        m/s, (times, places) each.
     """
     northern = bool(lat.mean() > 0)
     here, (east, north) = unit(lon, lat), east_north(lon, lat)

@@ -25,6 +25,11 @@ def glue_lines(bonds: xr.Dataset, state: xr.Dataset) -> np.ndarray:
         With ``bond_id_lo`` and the ends in the body frame of that element.
     state : xarray.Dataset
         Where the elements are now; a bond whose element is gone is left out.
+
+    Returns
+    -------
+    ndarray
+        km, (bond, 2, 2); bonds whose element is gone are left out.
     """
     ids, lo = state["id"].values, bonds["bond_id_lo"].values
     place = np.searchsorted(ids, lo)
@@ -42,6 +47,11 @@ def follows_start(last: xr.Dataset) -> bool:
     ----------
     last : xarray.Dataset
         Last state or snapshot.
+
+    Returns
+    -------
+    bool
+        False with the effect ``remap``.
     """
     return "remap" not in str(last.attrs["effects"]).split()
 
@@ -61,6 +71,11 @@ def bond_map(
         Outlines of the last state's elements.
     title : str
         Title.
+
+    Returns
+    -------
+    Figure
+        Of Matplotlib, to be closed by the caller.
     """
     whole, cracked, broken = sort_bonds(first, last)
     with look():

@@ -18,6 +18,11 @@ def cost_figure(stages: Sequence[tuple[str, float, bool]]) -> Figure:
     ----------
     stages : sequence of tuple
         Name, wall seconds, and whether it is a part of the windows (drawn lighter and hatched).
+
+    Returns
+    -------
+    Figure
+        Of Matplotlib, to be closed by the caller.
     """
     with look():
         figure = new_figure(6.0, 1.0 + 0.26 * max(1, len(stages)))

@@ -55,6 +55,11 @@ class Frame:
         ----------
         width : float
             Of the figure (inches).
+
+        Returns
+        -------
+        tuple of float
+            Inches.
         """
         left, right, bottom, top = self.extent
         aspect = (top - bottom) / (right - left)
@@ -188,6 +193,13 @@ def graticule_lines(
     ----------
     frame : Frame
         Projection and extent of the map.
+
+    Returns
+    -------
+    lines : list of tuple of ndarray
+        x and y of each (km).
+    labels : list of tuple
+        x and y (km) and text of each.
     """
     left, right, bottom, top = frame.extent
     lines: list[tuple[np.ndarray, np.ndarray]] = []

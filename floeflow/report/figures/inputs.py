@@ -40,6 +40,11 @@ def input_maps(frame: Frame, mask: xr.Dataset, forcing: xr.Dataset) -> Figure:
         As `floeflow.masks.mask.make_mask` returns it.
     forcing : xarray.Dataset
         As `floeflow.forcings.forcing.make_forcing` returns it.
+
+    Returns
+    -------
+    Figure
+        Of Matplotlib, to be closed by the caller.
     """
     shown = {name: mask[name].where(mask["land"] == 0) for name in ("siconc", "sithick")}
     for name in MAPS:

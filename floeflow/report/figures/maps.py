@@ -55,6 +55,11 @@ def element_shapes(state: xr.Dataset, packing: xr.Dataset) -> Shapes:
     ----------
     state, packing : xarray.Dataset
         As their contracts say; an id that is in one of them only gets a disc, or nothing.
+
+    Returns
+    -------
+    Shapes
+        Polygons (km), the rows of their elements, and the rows of elements without a cell.
     """
     if "cell_corners" in state:
         body, corners = own_outlines(state), state["cell_corners"].values
@@ -125,6 +130,11 @@ def element_map(
         Title.
     arrows : tuple, optional
         Components along x and y, (element,) each, and their unit; thinned to box means.
+
+    Returns
+    -------
+    Figure
+        Of Matplotlib, to be closed by the caller.
     """
     with look():
         figure = new_figure(*frame.size(WIDTH))
@@ -247,6 +257,11 @@ def box_means(
         Places (km), (n,).
     values : ndarray
         (n,) each.
+
+    Returns
+    -------
+    tuple of ndarray
+        x, y (km) and each value in its unit, (boxes,) each.
     """
     left, right, bottom, top = frame.extent
     size = max(right - left, top - bottom) / ARROWS

@@ -30,6 +30,13 @@ def packing_figures(packing: xr.Dataset) -> Iterator[tuple[str, str, Figure]]:
     ----------
     packing : xarray.Dataset
         As `floeflow.packings.packing.make_packing` returns it.
+
+    Yields
+    ------
+    name, caption : str
+        Of the figure.
+    figure : Figure
+        Of Matplotlib, to be closed by the caller.
     """
     mobile = packing["type"].values == MOBILE
     if not mobile.any():

@@ -43,6 +43,11 @@ def pick_unit(units: tuple[tuple[float, str], ...], *values: np.ndarray) -> tupl
         Size of each unit and its name, the largest first.
     *values : ndarray
         In the smallest unit.
+
+    Returns
+    -------
+    tuple of (float, str)
+        Size of the unit in that of the values, and its name.
     """
     largest = max((float(np.nanmax(np.abs(v))) for v in values if np.isfinite(v).any()), default=0)
     return next((unit for unit in units if largest >= unit[0]), units[-1])
@@ -55,6 +60,11 @@ def time_axis(seconds: float) -> tuple[float, str]:
     ----------
     seconds : float
         Length of the run.
+
+    Returns
+    -------
+    tuple of (float, str)
+        s, and the unit's name.
     """
     if seconds >= 2 * 86400.0:
         return 86400.0, "days"

@@ -201,6 +201,11 @@ def as_svg(figure: Figure) -> bytes:
     ----------
     figure : Figure
         That is drawn.
+
+    Returns
+    -------
+    bytes
+        The same for the same figure.
     """
     buffer = io.BytesIO()
     with look():

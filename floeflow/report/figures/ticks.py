@@ -23,6 +23,11 @@ def plain(text: str) -> str:
     ----------
     text : str
         A tick's label.
+
+    Returns
+    -------
+    str
+        Without TeX.
     """
     if "$" not in text:
         return text

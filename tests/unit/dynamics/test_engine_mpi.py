@@ -86,6 +86,22 @@ def test_elements_that_drift_from_rank_to_rank_keep_all_that_they_have(tmp_path:
         np.testing.assert_allclose(two[name], one[name], rtol=0, atol=1e-9 * scale)
 
 
+def test_more_ranks_than_elements_give_what_one_gives(tmp_path: Path) -> None:
+    """Three bonded elements at a wall: most ranks have none, and are asked for sums and tables."""
+    (one, first), (seven, second) = (
+        run(tmp_path / str(n), n, steps=200, kind="few") for n in (1, 7)
+    )
+    assert one["sum.elements"] == seven["sum.elements"] == 3
+    assert one["sum.bonds"] == 2 and len(one["wall.id"]) > 0
+    for a, b in ((one, seven), (first, second)):
+        assert set(a) == set(b)
+        for name in ("element.id", "bond.id_lo", "bond.id_hi", "wall.id", "sum.bonds"):
+            np.testing.assert_array_equal(b[name], a[name], err_msg=name)
+        for name in ("element.x", "element.u", "element.theta", "sum.work_wind", "bond.span"):
+            scale = np.abs(a[name]).max()
+            np.testing.assert_allclose(b[name], a[name], rtol=0, atol=1e-9 * scale, err_msg=name)
+
+
 def test_a_pack_in_a_corner_of_its_box_is_cut_among_the_ranks(tmp_path: Path) -> None:
     (one, _), (four, _) = (run(tmp_path / str(n), n, steps=200, kind="lopsided") for n in (1, 4))
     assert 0 < one["sum.bonds"]

@@ -17,23 +17,24 @@ from support.ranks import mpirun
 SHARED = {"ElasticLine"}  # which laws begin from
 
 
-def law_names(models: Path) -> set[str]:
+def law_names(models: Path, file: str) -> set[str]:
     lists = re.findall(
-        r"^#define FLOE_\w+_LAWS\(LAW\) (.*)$", (models / "laws/laws.h").read_text(), re.M
+        r"^#define FLOE_\w+\((?:LAW|FORCE)\) (.*)$", (models / file).read_text(), re.M
     )
-    return {name for line in lists for name in re.findall(r"LAW\((\w+)\)", line)}
+    return {name for line in lists for name in re.findall(r"(?:LAW|FORCE)\((\w+)\)", line)}
 
 
-def test_no_file_but_its_own_and_the_list_names_a_law(project: Path) -> None:
+@pytest.mark.parametrize(("file", "least"), [("laws/laws.h", 4), ("laws/forces.h", 1)])
+def test_no_file_but_its_own_and_the_list_names_a_law(project: Path, file: str, least: int) -> None:
     models = project / "liggghts_models"
-    names = law_names(models)
-    assert len(names) >= 4
+    names = law_names(models, file)
+    assert len(names) >= least
     sources = [
         p for p in models.rglob("*") if p.suffix in {".cpp", ".h"} and p.parent.name != "tests"
     ]
     for name in names:
         inside = {p.name for p in sources if re.search(rf"\b{name}\b", p.read_text())}
-        (own,) = inside - {"laws.h"}
+        (own,) = inside - {Path(file).name}
         assert f"struct {name}" in (models / "laws" / own).read_text()
 
 

@@ -3,7 +3,11 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
+import shutil
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -36,10 +40,10 @@ PAGES = ("effect", "contact_law", "reader", "column_process", "diagnostic", "fig
 Install = Callable[[str, str], ModuleType]
 
 
-def block(project: Path, page: str) -> str:
-    """The Python block of a page."""
+def block(project: Path, page: str, language: str = "python") -> str:
+    """The only block of a page in a language."""
     text = (project / f"docs/contributing/{page}.md").read_text()
-    (found,) = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
+    (found,) = re.findall(rf"^```{language}\n(.*?)^```", text, re.M | re.S)
     return str(found)
 
 
@@ -80,6 +84,74 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install
     forget()
 
 
+# A field of its own, and keywords from the scene.
+WAVES = """
+import numpy as np
+
+from floeflow.analysis.estimate.dimensionless_numbers import number_of
+from floeflow.core.grids import scene_grid
+from floeflow.dynamics.engine.params import Force
+from floeflow.dynamics.forces import force
+from floeflow.forcings.fixed_fields import fixed
+from floeflow.scene.effects import Effect, add_effect
+
+waves = {"plugin": ("swell",), "forcing": ("wave_height",)}
+add_effect(Effect("swell", "Swell pushes the ice.", "a paper", **waves))
+
+
+@number_of("swell")
+def number(c):
+    '''H / h: height of the waves over the thickness of the ice.'''
+    return 2.0 / c.thickness
+
+
+@force("swell")
+def push(scene):
+    return Force("swell", (("swell_drag", 0.1),), ("wave_height",))
+
+
+@fixed("wave_height", "m")
+def height(scene):
+    return np.full(scene_grid(scene.domain).shape, 2.0)
+"""
+
+# A disc in a wind of 10 m/s, from rest to its terminal speed, by the effects of a scene.
+DRIFT = """
+import json
+from pathlib import Path
+
+from mpi4py import MPI
+
+from floeflow.dynamics.engine.engine import Engine
+from floeflow.dynamics.motion import engine_params
+from floeflow.scene import parse_scene
+from support.rafts import discs, uniform
+
+scene = parse_scene(b"effects: [wind, ocean_drag, swell]\\npacking: {elements: 100}\\n", "a")
+params = engine_params(scene, 100.0)
+with Engine(MPI.COMM_SELF, params, Path("log")) as engine:
+    engine.load(discs([0.0], [0.0], 1000.0))
+    engine.set_forcing(uniform((10.0, 0.0)))
+    engine.run(5000)
+    found = engine.diagnostics() | {
+        "speed": float(engine.elements()["u"][0]),
+        "air": params.wind_stress_factor,
+        "water": params.ocean_stress_factor,
+        "radius": 1000.0,
+        "seconds": 5000 * 100.0,
+    }
+print(json.dumps(found))
+"""
+
+
+def gone_after(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
+    """Names that a test adds to the registries are gone after it."""
+    for registry in (EFFECTS, NUMBERS, FORCES, FIXED):
+        for name in names:
+            monkeypatch.setitem(registry, name, None)
+            monkeypatch.delitem(registry, name)
+
+
 def test_each_thing_to_add_has_a_page(project: Path):
     text = (project / "CONTRIBUTING.md").read_text()
     for page in PAGES:
@@ -102,32 +174,79 @@ def test_pages_name_what_is_there(project: Path):
 def test_an_effect_from_outside_is_known_everywhere(
     project: Path, tmp_path: Path, install: Install, monkeypatch: pytest.MonkeyPatch
 ):
-    """The registry, a number, a force and its field, as the page says, and nothing else."""
-    for registry in (EFFECTS, NUMBERS, FORCES, FIXED):
-        for name in ("swell", "wave_height"):
-            monkeypatch.setitem(registry, name, None)  # gone after the test
-            monkeypatch.delitem(registry, name)
+    """One entry with its number, as the page says, and nothing else."""
+    gone_after(monkeypatch, "swell")
     with pytest.raises(FloeError, match="unknown effect 'swell'"):
         parse_scene(b"effects: [ocean_drag, swell]", "a")
     install("my_effects", block(project, "effect"))
 
-    text = "effects: [wind, ocean_drag{}]\npacking: {{elements: 100}}\n"
+    text = "effects: [wind{}]\npacking: {{elements: 100}}\n"
     plain, scene = (parse_scene(text.format(more).encode(), "a") for more in ("", ", swell"))
-    assert scene.effects == ("wind", "ocean_drag", "swell")
-    for stage in ("dynamics", "forcing"):
-        assert stage_hash(scene, stage) != stage_hash(plain, stage)
+    assert scene.effects == ("wind", "swell")
+    assert stage_hash(scene, "dynamics") != stage_hash(plain, "dynamics")
+    params = engine_params(scene)
+    assert params.fix_style().endswith(" swell yes") and "wind_u" in params.external
+    assert "swell" not in engine_params(plain).fix_style()
+    assert ledger_sums(scene.effects)[-3:] == ("impulse_swell_x", "impulse_swell_y", "work_swell")
+    assert "ρ_w g a² / (4 τ_a D): push of the swell over that of the wind" in effects_page()
 
+
+def test_an_effect_from_outside_brings_a_field_keywords_and_a_number(
+    tmp_path: Path, install: Install, monkeypatch: pytest.MonkeyPatch
+):
+    gone_after(monkeypatch, "swell", "wave_height")
+    install("my_waves", WAVES)
+    text = "effects: [wind{}]\npacking: {{elements: 100}}\n"
+    plain, scene = (parse_scene(text.format(more).encode(), "a") for more in ("", ", swell"))
+    assert stage_hash(scene, "forcing") != stage_hash(plain, "forcing")
     forcing = window_forcing(scene, 1, tmp_path)
     assert forcing["wave_height"].attrs["units"] == "m"
     assert forcing["wave_height"].dims == ("y", "x") and (forcing["wave_height"] == 2.0).all()
     assert "wave_height" not in window_forcing(plain, 1, tmp_path)
-
     params = engine_params(scene)
     assert "swell_drag 0.1" in params.fix_style() and "wave_height" in params.external
     assert engine_forcing(scene, forcing, params.external).fields["wave_height"].mean() == 2.0
-    assert "swell" not in engine_params(plain).fix_style()
-    assert ledger_sums(scene.effects)[-2:] == ("impulse_swell_x", "impulse_swell_y")
     assert "H / h: height of the waves over the thickness of the ice" in effects_page()
+
+
+@pytest.mark.slow
+@pytest.mark.mpi
+def test_a_force_is_an_entry_a_header_and_a_name(
+    project: Path, tmp_path: Path, install: Install, monkeypatch: pytest.MonkeyPatch
+):
+    """The plugin is built with the page's header, and ice drifts as its force says."""
+    gone_after(monkeypatch, "swell")
+    install("my_effects", block(project, "effect"))
+    models, build = tmp_path / "models", tmp_path / "build"
+    shutil.copytree(project / "liggghts_models", models)
+    (models / "laws/swell.h").write_text(block(project, "effect", "cpp"))
+    page = (project / "docs/contributing/effect.md").read_text()
+    named, listed = re.findall(r"^    (#(?:include|define) .*)\n", page, re.M)
+    lists = models / "laws/forces.h"
+    before = '#include "seabed.h"\n\n#define FLOE_FORCES(FORCE) FORCE(SeabedFriction)\n'
+    assert before in lists.read_text()
+    after = f'#include "seabed.h"\n{named}\n\n{listed}\n'
+    lists.write_text(lists.read_text().replace(before, after))
+    for words in (["-S", models, "-B", build], ["--build", build, "--target", "floe"]):
+        subprocess.run(["cmake", *words], check=True, capture_output=True, text=True)
+    paths = [*sys.path, str(project / "tests")]
+    environment = {
+        **os.environ,
+        "FLOEFLOW_PLUGIN": str(build / "libfloe.so"),
+        "PYTHONPATH": os.pathsep.join(filter(None, paths)),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", DRIFT], env=environment, cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    push = 0.25 * 1026.0 * 9.81 * 0.1**2 * 2.0 / (np.pi * found["radius"])  # N/m2
+    stress = found["air"] * 100.0 + push
+    assert found["speed"] == pytest.approx(np.sqrt(stress / found["water"]), rel=1e-6)
+    given = push * np.pi * found["radius"] ** 2 * found["seconds"]
+    assert found["impulse_swell_x"] == pytest.approx(given, rel=1e-9)
+    change = found["work_wind"] + found["work_ocean"] + found["work_swell"]
+    assert found["kinetic"] == pytest.approx(change, rel=1e-6)
 
 
 def test_a_reader_from_outside_makes_a_mask(

@@ -19,7 +19,8 @@ TEST = re.compile(r"\b(test_\w+)\b(?!\.\w|\*)")
 ELSEWHERE = set(
     "config/scenes/mine.yaml config/scenes/first.yaml config/scenes/storm.yaml "
     "config/scenes/own_data.yaml scene.yaml my_effects.py my_figures.py my_numbers.py "
-    "my_readers.py wall.stl triangles.py longer.py after.py look.py make_era5.py make_mask.py "
+    "my_readers.py liggghts_models/laws/swell.h wall.stl triangles.py longer.py after.py look.py "
+    "make_era5.py make_mask.py "
     "table.md benchmarks/summary.md contact_models.h src/DEMSI/pair_gran_hopkins.cpp "
     "pair_gran_hopkins.cpp".split()
 )

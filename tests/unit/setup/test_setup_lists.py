@@ -11,6 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from packaging.version import Version
 
 from support.beside import taken
 
@@ -171,7 +172,7 @@ def pinned() -> dict[str, str]:
 
 
 def direct() -> list[str]:
-    """Return the names in the lists of direct dependencies, normalised."""
+    """Return the names in the lists of direct dependencies, normalised, without their bounds."""
     files = (
         "requirements.in",
         "requirements-workflow.in",
@@ -182,7 +183,8 @@ def direct() -> list[str]:
         "requirements-docs.in",
     )
     lines = [line for file in files for line in (ROOT / "setup" / file).read_text().splitlines()]
-    return [line.lower() for line in lines if line and not line.startswith("#")]
+    names = (line.partition(">=")[0] for line in lines if line and not line.startswith("#"))
+    return [name.lower() for name in names]
 
 
 def test_lock_pins_every_dependency_with_hashes_and_names_no_index() -> None:
@@ -192,6 +194,19 @@ def test_lock_pins_every_dependency_with_hashes_and_names_no_index() -> None:
     text = "".join((ROOT / "setup" / lock).read_text() for lock in LOCKS)
     assert "://" not in text
     assert not re.search(r"^\s*-(?!-hash)", text, re.MULTILINE)
+
+
+def test_oldest_versions_are_told_and_lie_below_the_lock() -> None:
+    lines = (ROOT / "setup/requirements.in").read_text().splitlines()
+    bounds = dict(line.split(">=") for line in lines if ">=" in line)
+    assert {"numpy", "scipy", "numba", "xarray"} <= set(bounds)
+    text = " ".join((ROOT / "docs/dependencies.md").read_text().lower().split())
+    told = text.partition("## oldest versions")[2].partition("## the lock")[0]
+    locked = pinned()
+    for name, version in bounds.items():
+        assert f"{name.lower()} {version}" in told, name
+        (pin,) = re.findall(r"==([\w.]+)", locked[name.lower()])
+        assert Version(version) < Version(pin), name
 
 
 def test_every_dependency_has_its_reason_and_licence() -> None:
