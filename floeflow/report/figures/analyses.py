@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator
 from numpy.typing import NDArray
 
+from floeflow.report.figures.break_events import break_figures
 from floeflow.report.figures.floe_sizes import floe_figures
 from floeflow.report.figures.fracture import fracture_figures
 from floeflow.report.figures.series import AREA_UNITS, pick_unit, time_axis
@@ -69,6 +70,7 @@ def analysis_figures(data: xr.Dataset, start: datetime) -> Iterator[Made]:
     for needed, least, make in makers:
         if needed in data.variables and _amount(data[needed]) >= least:
             yield make(data, start)
+    yield from break_figures(data, start)
     yield from fracture_figures(data)
     yield from floe_figures(data)
 
