@@ -113,6 +113,8 @@ def test_a_long_run_has_all_figures(periods: tuple[str, ...]):
     assert {name for name, _, _ in found} == NAMES
     captions = {name: text for name, text, _ in found}
     assert "β(1): run 0.20 ± 0.01" in captions["motion_scaling"]
+    assert "β(q) ≈ 0.00 q² + 0.20 q" in captions["motion_scaling"].replace("-0.00", "0.00")
+    assert "diagnostics, no bars" in captions["motion_scaling"]
     assert "Take care." in captions["motion_scaling"]
     assert "1.20 %" in captions["motion_wind"] and "a = 2.40 ± 0.20" in captions["floe_sizes_end"]
     assert all(text.endswith((".", ")")) and "nan" not in text for text in captions.values())
