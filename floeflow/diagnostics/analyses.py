@@ -23,10 +23,12 @@ from floeflow.core.constants import EARTH_ROTATION, ICE_DENSITY, SNOW_DENSITY
 from floeflow.core.grids import scene_crs, to_lonlat
 from floeflow.diagnostics import ice_edge
 from floeflow.diagnostics.break_events import (
+    SOON,
     BreakEvents,
     breaks_between_samples,
     count_rows,
     event_rows,
+    soon_share,
 )
 from floeflow.diagnostics.collect import cell_area
 from floeflow.diagnostics.deformation import FIT_FROM, ORDERS, Scaling, fit_scaling
@@ -143,6 +145,10 @@ class Analyses:
         """
         if "intact_bonds" in samples:
             self.breaks = count_rows(*breaks_between_samples(samples))
+            text = f"share of the breaks in the first {SOON:g} of a window"
+            said = {"units": "1", "long_name": f"{text}, as much where they do not follow windows"}
+            if self.breaks:
+                self.breaks["break_soon_share"] = ((), soon_share(samples), said)
 
     def result(self, grid: xr.Dataset | None, states: dict[str, xr.Dataset]) -> xr.Dataset:
         """All analyses.

@@ -37,6 +37,8 @@ Rows = dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
 INTERVALS = 8
 # A burst lasts while breaks come faster than so many times the mean of the run.
 FAST = 2.0
+# Breaks soon after a window's start are those in this share of it.
+SOON = 0.125
 # An element lost a bond where its held outline fell by more than this share of the spacing: half of
 # a side of a hexagon.
 LOST = 0.29
@@ -61,6 +63,27 @@ def breaks_between_samples(samples: xr.Dataset) -> tuple[Array, Index]:
     inside = number[1:] == number[:-1]
     lost = -np.diff(samples["intact_bonds"].values)
     return np.asarray(time[1:][inside], dtype=np.float64), lost[inside].astype(np.int64)
+
+
+def soon_share(samples: xr.Dataset) -> float:
+    """Share of the breaks that come in the first `SOON` of a window (1); NaN where none broke.
+
+    Bonds freeze between windows. Where many of them break at once in the next one, breaks follow
+    the windows and not the wind.
+
+    Parameters
+    ----------
+    samples : xarray.Dataset
+        As for `breaks_between_samples`.
+    """
+    number, time = samples["sample_window"].values, samples["time"].values
+    soon = broken = 0
+    for window in np.unique(number):
+        held, at = samples["intact_bonds"].values[number == window], time[number == window]
+        early = at <= at[0] + SOON * (at[-1] - at[0]) * (1.0 + 1e-9)
+        soon += int(held[0] - held[early][-1])
+        broken += int(held[0] - held[-1])
+    return soon / broken if broken else np.nan
 
 
 @dataclass(frozen=True)

@@ -357,6 +357,10 @@ def break_facts(analyses: xr.Dataset) -> list[Fact]:
         share = 100.0 * float(analyses["break_busy_share"])
         label = "Least share of the time in which half of all bonds broke"
         made.append((label, share, "%", "break_busy_share"))
+    if "break_soon_share" in analyses:
+        soon = 100.0 * float(analyses["break_soon_share"])
+        label = "Breaks in the first eighth of a window (12.5 %: they do not follow windows)"
+        made.append((label, soon, "%", "break_soon_share"))
     if "break_fano" in analyses:
         steps = analyses["break_step"].values / 3600.0
         for at in (0, -1):

@@ -19,6 +19,7 @@ from floeflow.diagnostics.break_events import (
     event_rows,
     mean_event,
     neighbour_ratio,
+    soon_share,
     window_breaks,
 )
 
@@ -88,6 +89,23 @@ def test_breaks_are_counted_within_windows() -> None:
     rows = count_rows(times, counts)
     assert rows["break_count"][1].sum() == 6 and rows["burst_duration"][1].tolist() == [1.0]
     assert rows["burst_size"][1].tolist() == [5]
+
+
+def hours(held: list[list[int]]) -> xr.Dataset:
+    """Samples of windows of eight hours."""
+    windows = np.repeat(np.arange(len(held)), 9)
+    time = np.concatenate([8.0 * k + np.arange(9.0) for k in range(len(held))])
+    bonds = np.concatenate(held)
+    names = {"sample_window": windows, "time": 3600.0 * time, "intact_bonds": bonds}
+    return xr.Dataset({name: ("sample", values) for name, values in names.items()})
+
+
+def test_breaks_that_follow_the_windows_are_told() -> None:
+    evenly = [90 - 10 * k for k in range(9)]
+    assert soon_share(hours([evenly, evenly])) == pytest.approx(0.125)
+    at_once = [90, *[50] * 8]
+    assert soon_share(hours([at_once, evenly])) == pytest.approx(50.0 / 120.0)
+    assert np.isnan(soon_share(hours([[7] * 9])))
 
 
 def triangular(side: int = 60) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

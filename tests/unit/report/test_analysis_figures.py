@@ -89,6 +89,7 @@ def made(times: int, periods: tuple[str, ...], samples: int) -> xr.Dataset:
             "break_time": ("break_interval", np.arange(1, n + 1) * 3600.0),
             "break_count": ("break_interval", np.full(n, 2 * many // n)),
             "break_busy_share": 0.25,
+            "break_soon_share": 0.375,
             "break_step": ("break_step", [3600.0, 7200.0]),
             "break_blocks": ("break_step", [n, n // 2]),
             "break_fano": ("break_step", [4.0, 6.5]),
@@ -121,6 +122,7 @@ def test_a_long_run_has_all_figures(periods: tuple[str, ...]):
     assert "10 % of the ice" in captions["motion_features"]
     assert "20 km for each 10,000 km²" in captions["motion_features"]
     assert "half of them in 25 % of the time" in captions["bonds_events"]
+    assert "38 % of the breaks come in the first 12.5 % of a window" in captions["bonds_events"]
     assert "the largest of 12 elements" in captions["bonds_events"]
     assert "2.4 times as often as by chance" in captions["bonds_events"]
     assert b"<svg" in as_svg(found[0][2])
@@ -148,10 +150,10 @@ def test_numbers_of_motion_name_their_source():
 
 def test_numbers_of_breaks_name_their_source():
     facts = break_facts(made(8, ("all", "run"), 0))
-    assert [fact.value for fact in facts] == [25.0, 4.0, 6.5, 70.0, 12, 3.25]
-    assert "intervals of 1 h" in facts[1].label and "lasted 2 h" in facts[3].label
+    assert [fact.value for fact in facts] == [25.0, 37.5, 4.0, 6.5, 70.0, 12, 3.25]
+    assert "intervals of 1 h" in facts[2].label and "lasted 2 h" in facts[4].label
     assert [fact.source.split(": ")[1] for fact in facts] == [
-        "break_busy_share", "break_fano", "break_fano", "burst_size", "break_event_elements",
-        "break_neighbour_ratio",
+        "break_busy_share", "break_soon_share", "break_fano", "break_fano", "burst_size",
+        "break_event_elements", "break_neighbour_ratio",
     ]  # fmt: skip
     assert break_facts(xr.Dataset()) == []
