@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A winter month of the central Arctic beside satellites, buoys and models.
 
-Usage: python benchmarks/central_arctic.py [--scene FILE] [--keep] [--largest 15]
-Runs the scene to its report (with ``--keep`` it reads a run that lies there) and prints a table.
+Usage: python benchmarks/central_arctic.py [--scene FILE] [--keep] [--largest 15] [--figure FILE]
+Runs the scene to its report (with ``--keep`` it reads a run that lies there) and prints a table;
+with ``--figure`` it draws the deformation of all elements in three intervals of three days.
 Deformation is sampled as RGPS does, from displacements over three days of elements that are
 followed, of those up to ``--largest`` km alone: the scene refines the central Arctic. Exponents are
 fitted from 2.5 elements up. They are diagnostics, no bars: they depend on how triangles are chosen
@@ -17,15 +18,24 @@ from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 
+import cmocean
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
+from matplotlib.colors import LogNorm
 from tables import show
 from year import run
 
 from floeflow.diagnostics.analyses import Winds
-from floeflow.diagnostics.deformation import ORDERS, curvature, fit_scaling
-from floeflow.diagnostics.followed import Frame, frame_of
-from floeflow.diagnostics.motion_analyses import Motion
+from floeflow.diagnostics.deformation import (
+    ORDERS,
+    curvature,
+    fit_scaling,
+    triangle_strain,
+    triangles,
+)
+from floeflow.diagnostics.followed import Frame, frame_of, step_between
+from floeflow.diagnostics.motion_analyses import INTERVAL, Motion
 from floeflow.diagnostics.wind_drift import WindSums, wind_fit
 from floeflow.scene import Scene, load_scene
 from floeflow.state import read_dataset, read_state
@@ -54,6 +64,38 @@ def follow(scene: Scene, folder: Path, largest: float) -> Motion:
     for state in chain([read_state(folder / "state/0000.nc")], snapshots):
         motion.take(fine_part(frame_of(state), largest))
     return motion
+
+
+def draw(scene: Scene, folder: Path, path: Path) -> None:
+    """Map the total deformation of triangles in the first, middle and last interval."""
+    step = max(1, round(INTERVAL / scene.time.window))
+    snapshots = read_snapshots(sorted((folder / "elements").glob("*.nc")))
+    states = chain([read_state(folder / "state/0000.nc")], snapshots)
+    frames = [frame_of(state) for state in states][::step]
+    shown = sorted({0, (len(frames) - 2) // 2, len(frames) - 2})
+    figure, panels = plt.subplots(
+        1, len(shown), figsize=(4.2 * len(shown), 4.6), squeeze=False, layout="constrained"
+    )
+    for axes, first in zip(panels[0], shown, strict=True):
+        one, two = frames[first], frames[first + 1]
+        step_of = step_between(one, two)
+        x, y = one.x[step_of.before], one.y[step_of.before]
+        # Elements of all sizes: the longest sides go by the coarse ones.
+        corners = triangles(x, y, float(np.sqrt(np.percentile(one.area, 90.0))))
+        seconds = step_of.seconds
+        strain = triangle_strain(x, y, step_of.dx / seconds, step_of.dy / seconds, corners)
+        mesh = axes.tripcolor(
+            x / 1e3, y / 1e3, corners, PER_DAY * np.maximum(strain.total, 1e-12),
+            norm=LogNorm(0.1, 100.0), cmap=cmocean.cm.amp, rasterized=True,
+        )  # fmt: skip
+        axes.set_aspect("equal")
+        axes.set_title(f"days {one.time / 86400.0:.0f} to {two.time / 86400.0:.0f}", loc="left")
+        axes.set_xlabel("x (km)")
+    panels[0, 0].set_ylabel("y (km)")
+    figure.colorbar(mesh, ax=panels[0].tolist(), label="Total deformation (% per day)", pad=0.01)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
 
 
 def alignment(angle: np.ndarray, length: np.ndarray) -> tuple[float, float]:
@@ -189,6 +231,7 @@ def main() -> None:
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--keep", action="store_true", help="read the run that lies there")
     parser.add_argument("--largest", type=float, default=15.0, help="largest element (km)")
+    parser.add_argument("--figure", type=Path, help="picture to draw")
     given = parser.parse_args()
     if not given.keep:
         print(f"{run(given.scene, given.ranks) / 60.0:.1f} minutes")
@@ -202,6 +245,8 @@ def main() -> None:
         *drift_rows(motion),
         *break_rows(data),
     ]
+    if given.figure:
+        draw(scene, folder, given.figure)
     show(("quantity", "observed", "this run", "published models"), rows)
 
 
