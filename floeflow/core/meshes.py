@@ -91,6 +91,65 @@ def write_lines(path: Path, points: Array, cell_data: Mapping[str, NDArray[np.ge
         mesh.write(temporary, file_format="vtu")
 
 
+def write_points(
+    path: Path, x: Array, y: Array, point_data: Mapping[str, NDArray[np.generic]]
+) -> None:
+    """Write points as an unstructured VTK mesh (``.vtu``) of vertices, whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its folder is made.
+    x, y : ndarray
+        Places (m), (point,).
+    point_data : mapping
+        Fields by name, (point,) or (point, 3).
+
+    Raises
+    ------
+    FloeError
+        Where the file cannot be written.
+    """
+    mesh = meshio.Mesh(
+        np.stack([x, y, np.zeros_like(x)], axis=1),
+        [("vertex", np.arange(len(x))[:, None])],
+        point_data=dict(point_data),
+    )
+    with write_atomically(path) as temporary:
+        mesh.write(temporary, file_format="vtu")
+
+
+def write_cells(
+    path: Path, x: Array, y: Array, cell_data: Mapping[str, NDArray[np.generic]]
+) -> None:
+    """Write the cells of a grid as quadrilaterals of a VTK mesh (``.vtu``), whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file; its folder is made.
+    x, y : ndarray
+        Edges of columns and rows, ascending (m), (columns + 1,) and (rows + 1,).
+    cell_data : mapping
+        Fields by name, (rows * columns,) or (rows * columns, k), row by row.
+
+    Raises
+    ------
+    FloeError
+        Where the file cannot be written.
+    """
+    place_x, place_y = (each.ravel() for each in np.meshgrid(x, y))
+    corner = np.arange(place_x.size).reshape(len(y), len(x))
+    quads = [corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]]
+    mesh = meshio.Mesh(
+        np.stack([place_x, place_y, np.zeros_like(place_x)], axis=1),
+        [("quad", np.stack([each.ravel() for each in quads], axis=1))],
+        cell_data={name: [values] for name, values in cell_data.items()},
+    )
+    with write_atomically(path) as temporary:
+        mesh.write(temporary, file_format="vtu")
+
+
 def read_faces(path: Path) -> tuple[Array, Array, Index]:
     """Read the triangles and quadrilaterals of a mesh in any format of meshio.
 

@@ -22,6 +22,14 @@ from numpy.typing import NDArray
 from floeflow.core.constants import EARTH_ROTATION, ICE_DENSITY, SNOW_DENSITY
 from floeflow.core.grids import scene_crs, to_lonlat
 from floeflow.diagnostics import ice_edge
+from floeflow.diagnostics.break_events import (
+    SOON,
+    BreakEvents,
+    breaks_between_samples,
+    count_rows,
+    event_rows,
+    soon_share,
+)
 from floeflow.diagnostics.collect import cell_area
 from floeflow.diagnostics.deformation import FIT_FROM, ORDERS, Scaling, fit_scaling
 from floeflow.diagnostics.floe_sizes import (
@@ -58,6 +66,8 @@ CAVEAT = (
     "Exponents depend on how triangles are chosen and filtered, and are not comparable below 10 km "
     "(Hutchings et al. 2024); signed gradients cancel within boxes (Beaudry & Tremblay 2026)."
 )
+# Variables that are times since the scene's start.
+TIMES = ("thickness_time", "interval_time", "edge_time", "break_time", "break_window_time")
 # Months of winter and summer of the northern hemisphere.
 WINTER, SUMMER = (11, 12, 1, 2, 3, 4), (6, 7, 8, 9)
 # Runs up to this long (s) are one period, longer ones are cut into months.
@@ -85,6 +95,12 @@ class Analyses:
     times: list[float] = field(default_factory=list)
     thickness: list[Array] = field(default_factory=list)
     mass: list[tuple[float, float]] = field(default_factory=list)
+    breaks: Rows = field(default_factory=dict)
+
+    @cached_property
+    def events(self) -> BreakEvents:
+        """Where bonds broke."""
+        return BreakEvents(self.remapped)
 
     @cached_property
     def motion(self) -> Motion:
@@ -122,6 +138,22 @@ class Analyses:
         self.thickness.append(thickness_areas(state))
         self.mass.append(_mass(state))
         self.motion.take(frame_of(state))
+        self.events.take(state)
+
+    def take_samples(self, samples: xr.Dataset) -> None:
+        """Gather when bonds broke from the samples of the motion; nothing without bonds.
+
+        Parameters
+        ----------
+        samples : xarray.Dataset
+            From `floeflow.diagnostics.collect.read_series`.
+        """
+        if "intact_bonds" in samples:
+            self.breaks = count_rows(*breaks_between_samples(samples))
+            text = f"share of the breaks in the first {SOON:g} of a window"
+            said = {"units": "1", "long_name": f"{text}, as much where they do not follow windows"}
+            if self.breaks:
+                self.breaks["break_soon_share"] = ((), soon_share(samples), said)
 
     def result(self, grid: xr.Dataset | None, states: dict[str, xr.Dataset]) -> xr.Dataset:
         """All analyses.
@@ -146,6 +178,7 @@ class Analyses:
         if self.motion.intervals:
             self._add_deformation(rows)
         self._add_lags(rows)
+        rows |= self.breaks | event_rows(self.events.windows)
         if grid is not None:
             rows |= edge_rows(grid, cell_area(grid, Path("grid.nc")))
         for name, state in states.items():
@@ -155,7 +188,7 @@ class Analyses:
             cracks = new_cracks(states["start"], states["end"]) if "start" in states else None
             rows |= crack_rows(cracks) if cracks is not None else {}
         data = xr.Dataset(rows, attrs=attrs)
-        for name in ("thickness_time", "interval_time", "edge_time"):
+        for name in TIMES:
             if name in data:
                 data[name].attrs = _time_attributes(self.scene)
         return data

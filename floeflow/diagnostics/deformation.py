@@ -268,6 +268,29 @@ def fit_scaling(count: Array, scale: Array, moments: Array, spacing: float) -> S
     )
 
 
+def curvature(order: Array, exponent: Array) -> tuple[float, float]:
+    """Coefficients a and b of β(q) = a q² + b q by least squares.
+
+    A single fractal has a = 0; Marsan et al. (2004) found a = 0.13, b = 0.07 in winter.
+
+    Parameters
+    ----------
+    order : ndarray
+        Orders q of the moments, (order,).
+    exponent : ndarray
+        Exponents β of `Scaling`, (order,).
+
+    Returns
+    -------
+    tuple of float
+        a and b; NaN where an exponent is not known.
+    """
+    if not np.isfinite(exponent).all():
+        return np.nan, np.nan
+    found = np.linalg.lstsq(np.stack([order**2, order], axis=1), exponent, rcond=None)[0]
+    return float(found[0]), float(found[1])
+
+
 def _slopes(count: Array, scale: Array, moments: Array, used: Index) -> tuple[Array, Array]:
     """Slopes of the logarithms and their standard errors, (order,)."""
     n = count[:, used].sum(axis=0)

@@ -509,6 +509,7 @@ def diagnose(
     snapshots = read_snapshots(files.elements)
     if analyses is not None:
         analyses.remapped |= remapped_windows(scalars)
+        analyses.take_samples(samples)
         analyses.take(first)
         snapshots = analyses.follow(snapshots)
     boundaries, states = summarise_states(first, snapshots, effects, domain)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Meshes of the elements' cells at all window boundaries, for ParaView.
+"""Meshes of the elements' cells and discs, of bonds and of the grid, for ParaView.
 
 Each element is drawn as its cell of the packing, carried and turned with it, so that leads show as
-gaps; elements without a cell, as those of the coast, are drawn as their discs. Bonds are the lines
-along which they hold.
+gaps; elements without a cell, as those of the coast, are drawn as their discs. Discs are points
+with their radius, as contacts see them, bonds the lines along which they hold, the grid its cells.
 """
 
 import logging
@@ -185,4 +185,107 @@ def write_bonds(states: Iterable[xr.Dataset], folder: Path) -> list[Path]:
         times.append(float(state.attrs["time"]))
     if paths:
         write_series(folder / "bonds.pvd", [path.name for path in paths], times)
+    return paths
+
+
+def write_discs(states: Iterable[xr.Dataset], folder: Path) -> list[Path]:
+    """Write the discs of each state as points, and ``discs.pvd``, which names the files.
+
+    Parameters
+    ----------
+    states : iterable of xarray.Dataset
+        States or snapshots; read once.
+    folder : Path
+        Gets the files, ``discs_<window>.vtu``, with the fields of the cells, ``radius`` (m) and
+        ``orientation`` (rad).
+
+    Returns
+    -------
+    list of Path
+        The meshes.
+
+    Raises
+    ------
+    FloeError
+        Where a file cannot be written.
+    """
+    from floeflow.core.meshes import write_points, write_series
+
+    paths, times = [], []
+    for state in states:
+        path = folder / f"discs_{window_name(int(state.attrs['window']))}.vtu"
+        own = {"radius": state["radius"].values, "orientation": state["theta"].values}
+        write_points(path, state["x"].values, state["y"].values, cell_fields(state) | own)
+        paths.append(path)
+        times.append(float(state.attrs["time"]))
+    write_series(folder / "discs.pvd", [path.name for path in paths], times)
+    return paths
+
+
+def grid_fields(grid: xr.Dataset, time: int) -> dict[str, NDArray[np.generic]]:
+    """Fields of the grid at one time, row by row, by their names in ``grid.nc``.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        Fields on (time, y, x), on (y, x), and by thickness on (time, iceband, y, x).
+    time : int
+        Index of the time.
+
+    Returns
+    -------
+    dict of ndarray
+        (cell,), or (cell, iceband); and ``velocity`` (m/s), (cell, 3), where the grid has both
+        components.
+    """
+    fields: dict[str, NDArray[np.generic]] = {}
+    for name, variable in grid.data_vars.items():
+        if variable.dims[-2:] != ("y", "x") or variable.dtype.kind not in "fiu":
+            continue
+        here = variable.isel(time=time) if "time" in variable.dims else variable
+        if here.ndim == 2:
+            fields[str(name)] = here.values.ravel()
+        elif here.ndim == 3:
+            fields[str(name)] = np.moveaxis(here.values, 0, -1).reshape(-1, here.shape[0])
+    if {"siu", "siv"} <= set(fields):
+        u, v = fields["siu"], fields["siv"]
+        fields["velocity"] = np.stack([u, v, np.zeros_like(u)], axis=1)
+    return fields
+
+
+def write_grids(grid: xr.Dataset, folder: Path) -> list[Path]:
+    """Write the grid's cells with their fields at each time, and ``grid.pvd``.
+
+    Parameters
+    ----------
+    grid : xarray.Dataset
+        As ``grid.nc`` has it: ``x`` and ``y`` (m) with their bounds, ``time`` (s), ``window``.
+    folder : Path
+        Gets the files, ``grid_<window>.vtu``.
+
+    Returns
+    -------
+    list of Path
+        The meshes.
+
+    Raises
+    ------
+    FloeError
+        Where a file cannot be written.
+    """
+    from floeflow.core.meshes import write_cells, write_series
+
+    edges = []
+    for axis in "xy":
+        # Of a grid whose axis falls, the rows are turned with the values.
+        grid = grid.sortby(axis)
+        bounds = grid[f"{axis}_bnds"].values
+        edges.append(np.append(bounds.min(axis=1), bounds.max()))
+    paths, times = [], []
+    for k, time in enumerate(grid["time"].values.astype(float)):
+        path = folder / f"grid_{window_name(int(grid['window'].values[k]))}.vtu"
+        write_cells(path, edges[0], edges[1], grid_fields(grid, k))
+        paths.append(path)
+        times.append(float(time))
+    write_series(folder / "grid.pvd", [path.name for path in paths], times)
     return paths

@@ -179,6 +179,7 @@ def build_report(scene: Scene, material: Material, figures: Path) -> str:
     ]
     facts = summary.facts(headline, scene)
     facts["motion"] += summary.motion_facts(material.analyses)
+    facts["bonds"] += summary.break_facts(material.analyses)
     chapters, bars = make_chapters(pictures, facts)
     notes = str(material.mask.attrs.get("notes", "")).splitlines()
     return render(

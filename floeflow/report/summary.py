@@ -352,3 +352,44 @@ def motion_facts(analyses: xr.Dataset) -> list[Fact]:
             "analyses.nc: wind_turning",
         ),
     ]
+
+
+def break_facts(analyses: xr.Dataset) -> list[Fact]:
+    """How the breaks of bonds cluster in time and space, as far as the run tells.
+
+    Parameters
+    ----------
+    analyses : xarray.Dataset
+        Of the analyses of breaks.
+    """
+    made: list[tuple[str, float, str, str]] = []
+    if "break_busy_share" in analyses:
+        share = 100.0 * float(analyses["break_busy_share"])
+        label = "Least share of the time in which half of all bonds broke"
+        made.append((label, share, "%", "break_busy_share"))
+    if "break_soon_share" in analyses:
+        soon = 100.0 * float(analyses["break_soon_share"])
+        label = "Breaks in the first eighth of a window (12.5 %: they do not follow windows)"
+        made.append((label, soon, "%", "break_soon_share"))
+    if "break_fano" in analyses:
+        steps = analyses["break_step"].values / 3600.0
+        for at in (0, -1):
+            label = f"Variance of breaks over their mean, in intervals of {number(steps[at], 3)} h"
+            made.append((label, float(analyses["break_fano"].values[at]), "", "break_fano"))
+    if "burst_size" in analyses and analyses["burst_size"].size:
+        largest = int(analyses["burst_size"].values.argmax())
+        hours = float(analyses["burst_duration"].values[largest]) / 3600.0
+        label = f"Breaks of the largest burst, which lasted {number(hours, 3)} h"
+        made.append((label, float(analyses["burst_size"].values[largest]), "", "burst_size"))
+    if "break_event_elements" in analyses:
+        largest = int(analyses["break_event_elements"].max())
+        label = "Elements of the largest event: neighbours that lost bonds in one window"
+        made.append((label, largest, "", "break_event_elements"))
+        ratios = analyses["break_neighbour_ratio"].values
+        known = sorted(ratio for ratio in ratios.tolist() if math.isfinite(ratio))
+        if known:
+            label = "Neighbours that both lost bonds, over chance, median window"
+            made.append((label, known[len(known) // 2], "", "break_neighbour_ratio"))
+    return [
+        Fact(label, value, unit, f"analyses.nc: {source}") for label, value, unit, source in made
+    ]

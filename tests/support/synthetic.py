@@ -479,6 +479,9 @@ def _grid(state: xr.Dataset) -> xr.Dataset:
         {name: (("time", "y", "x"), v[None], {"units": u}) for name, (v, u) in fields.items()},
         coords={"x": X0 + axis, "y": Y0 + axis, "time": [float(state.attrs["time"])]},
     )
+    for name in ("x", "y"):
+        bounds = data[name].values[:, None] + 0.5 * SPACING * np.array([-1.0, 1.0])
+        data[f"{name}_bnds"] = ((name, "bnds"), bounds)
     data["areacello"] = (("y", "x"), cell, {"units": "m2"})
     data["window"] = (("time",), np.array([int(state.attrs["window"])]))
     data["siconc"].attrs["cell_measures"] = "area: areacello"

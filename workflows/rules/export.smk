@@ -47,6 +47,7 @@ rule mesh_files:
         elements=of_chunks("results/{scene}/elements/{chunk}.nc"),
         states=of_chunks("results/{scene}/state/{chunk}.nc"),
         packing=made("packing", "preprocess/packing.nc"),
+        grid=grid_file,
     output:
         meshes=directory("results/{scene}/mesh"),
     log:
@@ -60,7 +61,7 @@ rule mesh_files:
         scene_keys=keys_of("mesh"),
         library=library_digest("mesh"),
     message:
-        "Mesh: the elements' cells at all window boundaries, and their bonds"
+        "Mesh: cells, discs and grid at all window boundaries, and the bonds"
     script:
         "../../postprocess/mesh_files.py"
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -20,6 +22,13 @@ def pack(window: int, x: np.ndarray, y: np.ndarray, window_length: float = 86400
     ids = np.arange(x.size) + 1
     area = np.full(x.size, 1e8)
     return Frame(window, window * window_length, ids, x, y, x, y, area, np.ones(x.size), 0j * x)
+
+
+def windows_of(path: Path) -> list[xr.Dataset]:
+    """Samples of each window of a series file."""
+    data = read_dataset(path).drop_dims("window")
+    numbers = data["sample_window"].values
+    return [data.isel(sample=numbers == number) for number in np.unique(numbers)]
 
 
 class Steady:
@@ -44,6 +53,11 @@ def test_a_run_has_all_analyses_that_it_supports(run: Run, tmp_path):
     assert {"thickness_area", "extent", "wind_factor", "deformation_total", "lag"} <= set(
         data.variables
     )
+    broken = sum(
+        int(chunk["intact_bonds"].values[0] - chunk["intact_bonds"].values[-1])
+        for chunk in (part for path in run.of_chunks("series") for part in windows_of(path))
+    )
+    assert broken > 0 and int(data["break_count"].sum()) == broken
     # Some 200 elements of 20 km: no floes, and too few scales for an exponent.
     assert not {"floe_diameter_start", "scaling_exponent"} & set(data.variables)
     last = read_state(run.state(3))

@@ -11,6 +11,7 @@ from floeflow.diagnostics.deformation import (
     Strain,
     box_sizes,
     box_strain,
+    curvature,
     fit_scaling,
     moment_sums,
     triangle_strain,
@@ -84,3 +85,11 @@ def test_boxes_that_are_half_empty_do_not_count():
     piece = Strain(np.array([500.0]), np.array([500.0]), np.array([0.4e6]), np.ones((1, 4)))
     assert box_strain(piece, 1e3).area.size == 0
     assert box_strain(piece, 0.8e3).area == pytest.approx([0.4e6])
+
+
+def test_the_curvature_of_known_exponents_is_found():
+    a, b = curvature(ORDERS, 0.13 * ORDERS**2 + 0.07 * ORDERS)
+    assert (a, b) == (pytest.approx(0.13), pytest.approx(0.07))
+    # One fractal: all moments fall with one dimension.
+    assert curvature(ORDERS, 0.2 * ORDERS) == (pytest.approx(0.0, abs=1e-12), pytest.approx(0.2))
+    assert np.isnan(curvature(ORDERS, np.full(ORDERS.size, np.nan))).all()

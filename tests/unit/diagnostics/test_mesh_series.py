@@ -13,7 +13,15 @@ import shapely
 from floeflow.core.errors import FloeError
 from floeflow.core.meshes import write_polygons, write_series
 from floeflow.core.polygons import DISC_CORNERS, body_outlines, carried_outlines
-from floeflow.diagnostics.mesh_series import bond_lines, cell_fields, write_bonds, write_meshes
+from floeflow.diagnostics.collect import read_grid
+from floeflow.diagnostics.mesh_series import (
+    bond_lines,
+    cell_fields,
+    write_bonds,
+    write_discs,
+    write_grids,
+    write_meshes,
+)
 from floeflow.state import read_dataset, read_state
 from support.scripts import load_script
 from support.synthetic import make_run
@@ -212,6 +220,7 @@ def test_rule_writes_a_mesh_for_each_boundary_of_all_chunks(run, written, tmp_pa
                 first=str(run.state(0)),
                 elements=[str(path) for path in run.of_chunks("elements")],
                 states=[str(run.state(int(members[-1]))) for members in run.chunks.values()],
+                grid=str(run.grid),
             ),
             output=SimpleNamespace(meshes=str(tmp_path)),
         )
@@ -220,6 +229,9 @@ def test_rule_writes_a_mesh_for_each_boundary_of_all_chunks(run, written, tmp_pa
     files = [each.get("file") for each in bonds.iter("DataSet")]
     assert files == ["bonds_0000.vtu", "bonds_0002.vtu", "bonds_0003.vtu"]
     assert len(meshio.read(tmp_path / files[-1]).cells_dict["line"])
+    for name in ("discs", "grid"):
+        sets = ElementTree.parse(tmp_path / f"{name}.pvd").getroot().iter("DataSet")
+        assert [each.get("file") for each in sets] == [f"{name}_{k:04d}.vtu" for k in range(4)]
     names = ["elements.pvd", *(f"{window:04d}.vtu" for window in (0, *run.windows))]
     for name in names:
         assert (tmp_path / name).read_bytes() == (written / name).read_bytes()
@@ -246,6 +258,56 @@ def test_bonds_are_lines_that_turn_with_their_elements(states, tmp_path):
     fields = {name: data[0] for name, (data,) in found.cell_data.items()}
     assert fields["crack"] == 0.75 and fields["stretch"] == pytest.approx(0.01)
     assert fields["id_lo"] == state["bond_id_lo"][0] and fields["length"] > 0
+
+
+def test_discs_are_points_with_the_radius_that_contacts_see(states, tmp_path):
+    paths = write_discs(states, tmp_path)
+    sets = list(ElementTree.parse(tmp_path / "discs.pvd").getroot().iter("DataSet"))
+    assert [each.get("file") for each in sets] == [path.name for path in paths]
+    assert [float(each.get("timestep")) for each in sets] == [s.attrs["time"] for s in states]
+    found, state = meshio.read(paths[2]), states[2]
+    assert found.cells_dict["vertex"].ravel().tolist() == list(range(state.sizes["element"]))
+    np.testing.assert_array_equal(found.points[:, 0], state["x"])
+    np.testing.assert_array_equal(found.points[:, 1], state["y"])
+    np.testing.assert_array_equal(found.point_data["radius"], state["radius"])
+    np.testing.assert_array_equal(found.point_data["orientation"], state["theta"])
+    for name, values in cell_fields(state).items():
+        np.testing.assert_array_equal(found.point_data[name], values)
+
+
+def test_the_grid_is_read_back_cell_by_cell(run, tmp_path):
+    grid = read_grid(run.grid)
+    bands = grid["siconc"].values[:, None] * np.array([0.25, 0.75])[:, None, None]
+    grid["siitdconc"] = (("time", "iceband", "y", "x"), bands)
+    paths = write_grids(grid, tmp_path)
+    sets = list(ElementTree.parse(tmp_path / "grid.pvd").getroot().iter("DataSet"))
+    assert [each.get("file") for each in sets] == [f"grid_{k:04d}.vtu" for k in range(4)]
+    assert [float(each.get("timestep")) for each in sets] == grid["time"].values.tolist()
+    found = meshio.read(paths[3])
+    quads = found.points[found.cells_dict["quad"], :2]
+    cells = shapely.polygons(quads)
+    assert shapely.is_ccw(shapely.get_exterior_ring(cells)).all()
+    columns = grid.sizes["x"]
+    data = {name: values for name, (values,) in found.cell_data.items()}
+    for row, column in ((0, 0), (3, 7), (grid.sizes["y"] - 1, columns - 1)):
+        at = row * columns + column
+        bounds = [grid[f"{axis}_bnds"].values[k] for axis, k in (("x", column), ("y", row))]
+        assert cells[at].bounds == (bounds[0][0], bounds[1][0], bounds[0][1], bounds[1][1])
+        here = grid.isel(time=3, y=row, x=column)
+        for name in ("siconc", "sithick", "siu", "areacello"):
+            np.testing.assert_array_equal(data[name][at], here[name])
+        np.testing.assert_array_equal(data["siitdconc"][at], here["siitdconc"])
+        np.testing.assert_array_equal(data["velocity"][at], [here["siu"], here["siv"], 0.0])
+    assert np.nanmax(data["siconc"]) > 0.5 and np.nanmax(np.abs(data["velocity"])) > 0.0
+
+
+def test_a_grid_whose_rows_go_down_has_the_same_cells(run, tmp_path):
+    grid = read_grid(run.grid)
+    (up, *_), (down, *_) = (
+        write_grids(each, tmp_path / name)
+        for name, each in (("up", grid), ("down", grid.isel(y=slice(None, None, -1))))
+    )
+    assert up.read_bytes() == down.read_bytes()
 
 
 def test_without_bonds_there_is_no_file_of_them(states, tmp_path):

@@ -14,13 +14,13 @@ from floeflow.diagnostics.thickness_distribution import EDGES
 from floeflow.report.figures.analyses import analysis_figures
 from floeflow.report.figures.fracture import envelope
 from floeflow.report.figures.style import as_svg
-from floeflow.report.summary import motion_facts
+from floeflow.report.summary import break_facts, motion_facts
 
 DAY = 86400.0
 NAMES = {
     *("ice_thickness_distribution", "ice_edge", "motion_deformation", "motion_wind"),
     *("motion_scaling", "motion_rates", "motion_lags", "floe_sizes_end"),
-    *("motion_features", "bonds_stress", "bonds_cracks"),
+    *("motion_features", "bonds_stress", "bonds_cracks", "bonds_events"),
 }
 
 
@@ -86,6 +86,20 @@ def made(times: int, periods: tuple[str, ...], samples: int) -> xr.Dataset:
             "angle": ("angle", (np.arange(18) + 0.5) * np.pi / 18),
             **{f"{k}_angle_length": ("angle", angles) for k in ("feature", "crack", "line")},
             "crack_size": ("crack", 1e4 * rng.random(many)),
+            "break_time": ("break_interval", np.arange(1, n + 1) * 3600.0),
+            "break_count": ("break_interval", np.full(n, 2 * many // n)),
+            "break_busy_share": 0.25,
+            "break_soon_share": 0.375,
+            "break_step": ("break_step", [3600.0, 7200.0]),
+            "break_blocks": ("break_step", [n, n // 2]),
+            "break_fano": ("break_step", [4.0, 6.5]),
+            "break_allan": ("break_step", [2.0, 0.0]),
+            "burst_size": ("burst", [30, 70]),
+            "burst_duration": ("burst", [3600.0, 7200.0]),
+            "break_neighbour_ratio": ("break_window", [np.nan, 1.5, 3.25]),
+            "break_mean_event": ("break_window", [np.nan, 4.0, 8.0]),
+            "break_random_event": ("break_window", [np.nan, 1.0, 2.0]),
+            "break_event_elements": ("break_event", [1, 3, 12]),
             "bond_stress_count": (("normal", "shear"), rng.random((76, 50)), envelope),
             "normal": ("normal", np.linspace(-1.01, 0.49, 76)),
             "shear": ("shear", np.linspace(0.01, 0.99, 50)),
@@ -100,11 +114,17 @@ def test_a_long_run_has_all_figures(periods: tuple[str, ...]):
     assert {name for name, _, _ in found} == NAMES
     captions = {name: text for name, text, _ in found}
     assert "β(1): run 0.20 ± 0.01" in captions["motion_scaling"]
+    assert "β(q) ≈ 0.00 q² + 0.20 q" in captions["motion_scaling"].replace("-0.00", "0.00")
+    assert "diagnostics, no bars" in captions["motion_scaling"]
     assert "Take care." in captions["motion_scaling"]
     assert "1.20 %" in captions["motion_wind"] and "a = 2.40 ± 0.20" in captions["floe_sizes_end"]
     assert all(text.endswith((".", ")")) and "nan" not in text for text in captions.values())
     assert "10 % of the ice" in captions["motion_features"]
     assert "20 km for each 10,000 km²" in captions["motion_features"]
+    assert "half of them in 25 % of the time" in captions["bonds_events"]
+    assert "38 % of the breaks come in the first 12.5 % of a window" in captions["bonds_events"]
+    assert "the largest of 12 elements" in captions["bonds_events"]
+    assert "2.4 times as often as by chance" in captions["bonds_events"]
     assert b"<svg" in as_svg(found[0][2])
 
 
@@ -126,3 +146,14 @@ def test_numbers_of_motion_name_their_source():
     assert [round(fact.value, 2) for fact in facts] == [1.2, 0.69]
     assert all(fact.source.startswith("analyses.nc: wind_") for fact in facts)
     assert motion_facts(xr.Dataset()) == []
+
+
+def test_numbers_of_breaks_name_their_source():
+    facts = break_facts(made(8, ("all", "run"), 0))
+    assert [fact.value for fact in facts] == [25.0, 37.5, 4.0, 6.5, 70.0, 12, 3.25]
+    assert "intervals of 1 h" in facts[2].label and "lasted 2 h" in facts[4].label
+    assert [fact.source.split(": ")[1] for fact in facts] == [
+        "break_busy_share", "break_soon_share", "break_fano", "break_fano", "burst_size",
+        "break_event_elements", "break_neighbour_ratio",
+    ]  # fmt: skip
+    assert break_facts(xr.Dataset()) == []
