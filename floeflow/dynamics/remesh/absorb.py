@@ -26,8 +26,10 @@ from floeflow.state.walls import enclosed
 Index = NDArray[np.int64]
 Array = NDArray[np.float64]
 
-# An element of less than this share of the mean area is used up.
+# An element of less than this share of the mean area of those around it is used up, so that fine
+# parts of a packing stay; those around are so many.
 USED_UP = 0.2
+AROUND = 12
 # An element of less than this share without a neighbour that could take it is the sea's.
 ALONE = 0.05
 # One whose centre is nearer to a larger one's than this share of the larger radius is run over.
@@ -122,8 +124,17 @@ def _run_over(places: Array, radius: Array, area: Array, mobile: Index) -> tuple
 
 
 def _used_up(places: Array, radius: Array, area: Array, mobile: Index) -> tuple[Index, Index]:
-    small = area[mobile] < USED_UP * area[mobile].mean()
+    small = area[mobile] < USED_UP * _usual(places[mobile], area[mobile])
     return _into_nearest(places, radius, area, (mobile[small], mobile[~small]))
+
+
+def _usual(places: Array, area: Array) -> Array:
+    """Mean area of the elements around each one (m2), not above that of all, (n,)."""
+    everywhere = np.full(len(area), area.mean())
+    if len(area) <= AROUND:
+        return everywhere
+    near = cKDTree(places).query(places, k=AROUND + 1)[1][:, 1:]
+    return np.minimum(area[near].mean(axis=1), everywhere)
 
 
 def _pushed_ashore(

@@ -88,6 +88,21 @@ def test_bonds_that_no_list_can_hold_are_let_go() -> None:
     assert bond_reach(small, kept, LAWS) <= LONGEST_REACH * 1.01
 
 
+def test_a_fine_part_of_a_packing_stays() -> None:
+    state = a_raft()
+    fine = np.arange(30) >= 12
+    # Discs of a sixth of the radius, as close to each other as the wide ones are.
+    for axis in "xy":
+        first = state[axis].values[12]
+        state[axis].values[fine] = first + (state[axis].values[fine] - first) / 6.0
+    state["area"].values[fine] /= 36.0
+    state["radius"].values[fine] /= 6.0
+    assert (absorbed(state, LAWS) == np.arange(30)).all()
+    state["area"].values[29] *= 0.1
+    state["radius"].values[29] *= 0.3
+    assert absorbed(state, LAWS)[29] != 29
+
+
 @pytest.mark.parametrize(
     ("share", "away", "found"), [(0.04, 1e6, [0]), (0.06, 1e6, []), (0.04, 0.0, [])]
 )
