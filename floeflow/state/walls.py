@@ -326,7 +326,8 @@ def crossed(faces: Arrays, start: np.ndarray, end: np.ndarray, time: float = 0.0
         return out
     # Only what is nearer to a face than it moves can cross one.
     size = np.hypot(*(end - start)[moved].T)
-    away = clearance(faces, *start[moved].T, time, float(size.max()))
+    x, y = start[moved].T
+    away = clearance(faces, x, y, time, float(size.max()))
     moved = moved[away <= size]
     a = np.column_stack([faces["ax"], faces["ay"]])
     along = np.column_stack([faces["bx"], faces["by"]]) - a
