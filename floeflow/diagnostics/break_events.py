@@ -75,6 +75,11 @@ def soon_share(samples: xr.Dataset) -> float:
     ----------
     samples : xarray.Dataset
         As for `breaks_between_samples`.
+
+    Returns
+    -------
+    float
+        From 0 to 1; the length of `SOON` where breaks do not follow the windows.
     """
     number, time = samples["sample_window"].values, samples["time"].values
     soon = broken = 0
@@ -142,6 +147,11 @@ def busy_share(counts: Index) -> float:
     ----------
     counts : ndarray
         Breaks in intervals of one length, (interval,).
+
+    Returns
+    -------
+    float
+        At most a half, which breaks at an even rate have.
     """
     if not counts.any():
         return np.nan
@@ -205,6 +215,11 @@ def event_labels(broken: Mask, pairs: Index) -> Index:
         Elements at which bonds broke, (element,).
     pairs : ndarray
         Rows of neighbours, (pair, 2).
+
+    Returns
+    -------
+    ndarray
+        Broken neighbours have the same number, (broken,).
     """
     return fragments(np.flatnonzero(broken), pairs)
 
@@ -216,6 +231,11 @@ def mean_event(labels: Index) -> float:
     ----------
     labels : ndarray
         From `event_labels`.
+
+    Returns
+    -------
+    float
+        At least 1; the mean over elements, so that large events weigh by their size.
     """
     sizes = np.bincount(labels).astype(np.float64)
     return float((sizes**2).sum() / sizes.sum()) if sizes.size else np.nan

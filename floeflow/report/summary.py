@@ -361,6 +361,11 @@ def break_facts(analyses: xr.Dataset) -> list[Fact]:
     ----------
     analyses : xarray.Dataset
         Of the analyses of breaks.
+
+    Returns
+    -------
+    list of Fact
+        Those of which the analyses have the variable, in the order of the page.
     """
     made: list[tuple[str, float, str, str]] = []
     if "break_busy_share" in analyses:
